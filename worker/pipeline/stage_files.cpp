@@ -1,182 +1,175 @@
 #include "worker/pipeline/stage_files.hpp"
 
+#include <concepts>
+#include <type_traits>
+
 #include "worker/base/binary_file.hpp"
 
 namespace divemesh::pipeline {
 namespace {
 
-// Writes a pose as its 16 doubles, also as a member of a struct.
-void put_pose(base::BinaryWriter& file, const Eigen::Isometry3d& T_a_b) {
-    file.put_raw(T_a_b.matrix());
-}
+// Each fields() below lists the fields of a type once, for both directions: `file` is a StageWriter
+// with a const value, or a StageReader.
+template <typename T, typename Type>
+concept Is = std::same_as<std::remove_const_t<T>, Type>;
 
-Eigen::Isometry3d get_pose(base::BinaryReader& file) {
-    Eigen::Isometry3d T_a_b;
-    T_a_b.matrix() = file.get<Eigen::Matrix4d>();
-    return T_a_b;
-}
+// Writes values in the order of the calls.
+struct StageWriter {
+    base::BinaryWriter& file;
 
-void put_trajectory(base::BinaryWriter& file, const types::Trajectory& trajectory) {
-    file.put(static_cast<std::uint64_t>(trajectory.size()));
-    for (const types::StampedPose& pose : trajectory) {
-        file.put(pose.timestamp_ns);
-        put_pose(file, pose.T_world_imu);
+    void plain(const auto& value) { file.put(value); }
+    void raw(const auto& matrix) { file.put_raw(matrix); }
+    void flag(bool value) { file.put(static_cast<std::uint8_t>(value)); }
+    void text(const std::string& value) { file.put_text(value); }
+    void vector(const auto& values) { file.put_vector(values); }
+    void list(const auto& items) {
+        file.put(static_cast<std::uint64_t>(items.size()));
+        for (const auto& item : items) fields(*this, item);
     }
-}
-
-types::Trajectory get_trajectory(base::BinaryReader& file) {
-    types::Trajectory trajectory;
-    const auto num_poses = file.get<std::uint64_t>();
-    for (std::uint64_t i = 0; i < num_poses && file.ok(); ++i) {
-        types::StampedPose pose;
-        pose.timestamp_ns = file.get<std::int64_t>();
-        pose.T_world_imu = get_pose(file);
-        trajectory.push_back(pose);
+    void optional(const auto& value) {
+        flag(value.has_value());
+        if (value) plain(*value);
     }
-    return trajectory;
-}
+};
 
-void put_keyframes(base::BinaryWriter& file, const std::vector<types::Keyframe>& keyframes) {
-    file.put(static_cast<std::uint64_t>(keyframes.size()));
-    for (const types::Keyframe& keyframe : keyframes) {
-        file.put(keyframe.frame_index);
-        file.put(keyframe.timestamp_ns);
-        put_pose(file, keyframe.T_world_cam);
-        file.put(keyframe.segment);
+// Reads them in the same order. The values are meaningless once file.ok() is false.
+struct StageReader {
+    base::BinaryReader& file;
+
+    template <typename T>
+    void plain(T& value) {
+        value = file.get<T>();
     }
-}
-
-std::vector<types::Keyframe> get_keyframes(base::BinaryReader& file) {
-    std::vector<types::Keyframe> keyframes;
-    const auto num_keyframes = file.get<std::uint64_t>();
-    for (std::uint64_t i = 0; i < num_keyframes && file.ok(); ++i) {
-        types::Keyframe keyframe;
-        keyframe.frame_index = file.get<int>();
-        keyframe.timestamp_ns = file.get<std::int64_t>();
-        keyframe.T_world_cam = get_pose(file);
-        keyframe.segment = file.get<std::int32_t>();
-        keyframes.push_back(keyframe);
+    template <typename T>
+    void raw(T& matrix) {
+        matrix = file.get<T>();
     }
-    return keyframes;
+    void flag(bool& value) { value = file.get<std::uint8_t>() != 0; }
+    void text(std::string& value) { value = file.get_text(); }
+    template <typename T>
+    void vector(std::vector<T>& values) {
+        values = file.get_vector<T>();
+    }
+    void list(auto& items) {
+        const auto num_items = file.get<std::uint64_t>();
+        for (std::uint64_t i = 0; i < num_items && file.ok(); ++i)
+            fields(*this, items.emplace_back());
+    }
+    template <typename T>
+    void optional(std::optional<T>& value) {
+        bool has_value = false;
+        flag(has_value);
+        if (has_value) plain(value.emplace());
+    }
+};
+
+void fields(auto& file, Is<types::StampedPose> auto& pose) {
+    file.plain(pose.timestamp_ns);
+    file.raw(pose.T_world_imu.matrix());
 }
 
-void put_rig(base::BinaryWriter& file, const types::RectifiedRig& rig) {
-    file.put(rig.width_px);
-    file.put(rig.height_px);
-    for (const double value : {rig.focal_px, rig.cx_px, rig.cy_px, rig.baseline_m}) file.put(value);
-    put_pose(file, rig.T_imu_cam);
+void fields(auto& file, Is<types::Keyframe> auto& keyframe) {
+    file.plain(keyframe.frame_index);
+    file.plain(keyframe.timestamp_ns);
+    file.raw(keyframe.T_world_cam.matrix());
+    file.plain(keyframe.segment);
 }
 
-types::RectifiedRig get_rig(base::BinaryReader& file) {
-    types::RectifiedRig rig;
-    rig.width_px = file.get<int>();
-    rig.height_px = file.get<int>();
-    for (double* value : {&rig.focal_px, &rig.cx_px, &rig.cy_px, &rig.baseline_m})
-        *value = file.get<double>();
-    rig.T_imu_cam = get_pose(file);
-    return rig;
+void fields(auto& file, Is<types::Landmark> auto& landmark) {
+    file.raw(landmark.p_world);
+    file.vector(landmark.observations);
 }
 
-void put_alignment(base::BinaryWriter& file, const types::ImuAlignment& alignment) {
-    file.put(alignment.time_offset_s);
-    file.put_raw(alignment.q_body_imu.coeffs());
+void fields(auto& file, Is<types::PoseCovariance> auto& pose) {
+    file.plain(pose.timestamp_ns);
+    file.raw(pose.position_m2);
+    file.raw(pose.rotation_rad2);
 }
 
-types::ImuAlignment get_alignment(base::BinaryReader& file) {
-    types::ImuAlignment alignment;
-    alignment.time_offset_s = file.get<double>();
-    alignment.q_body_imu.coeffs() = file.get<Eigen::Vector4d>();
-    return alignment;
+void fields(auto& file, Is<Finding> auto& finding) {
+    file.plain(finding.severity);
+    for (auto* text : {&finding.code, &finding.where, &finding.message, &finding.remedy})
+        file.text(*text);
 }
 
-void put_calibration(base::BinaryWriter& file, const types::RefinedCalibration& calibration) {
-    put_alignment(file, calibration.imu);
-    file.put(calibration.time_offset_sigma_s);
-    file.put_raw(calibration.rotation_sigma_rad);
+void fields(auto& file, Is<types::RectifiedRig> auto& rig) {
+    file.plain(rig.width_px);
+    file.plain(rig.height_px);
+    for (auto* value : {&rig.focal_px, &rig.cx_px, &rig.cy_px, &rig.baseline_m}) file.plain(*value);
+    file.raw(rig.T_imu_cam.matrix());
+}
+
+void fields(auto& file, Is<types::ImuAlignment> auto& alignment) {
+    file.plain(alignment.time_offset_s);
+    file.raw(alignment.q_body_imu.coeffs());
+}
+
+void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {
+    fields(file, calibration.imu);
+    file.plain(calibration.time_offset_sigma_s);
+    file.raw(calibration.rotation_sigma_rad);
     for (std::size_t side = 0; side < 2; ++side) {
-        file.put_raw(calibration.lenses[side].values);
-        file.put_raw(calibration.applied_lenses[side].values);
-        file.put_raw(calibration.lens_sigmas[side]);
+        file.raw(calibration.lenses[side].values);
+        file.raw(calibration.applied_lenses[side].values);
+        file.raw(calibration.lens_sigmas[side]);
     }
-    file.put(calibration.lens_shift_px);
-    for (const bool applied : {calibration.time_offset_applied,
-                               calibration.rotation_applied,
-                               calibration.lenses_applied})
-        file.put(static_cast<std::uint8_t>(applied));
+    file.plain(calibration.lens_shift_px);
+    file.flag(calibration.time_offset_applied);
+    file.flag(calibration.rotation_applied);
+    file.flag(calibration.lenses_applied);
 }
 
-types::RefinedCalibration get_calibration(base::BinaryReader& file) {
-    types::RefinedCalibration calibration;
-    calibration.imu = get_alignment(file);
-    calibration.time_offset_sigma_s = file.get<double>();
-    calibration.rotation_sigma_rad = file.get<Eigen::Vector3d>();
-    for (std::size_t side = 0; side < 2; ++side) {
-        calibration.lenses[side].values = file.get<types::LensChange::Vector>();
-        calibration.applied_lenses[side].values = file.get<types::LensChange::Vector>();
-        calibration.lens_sigmas[side] = file.get<types::LensChange::Vector>();
-    }
-    calibration.lens_shift_px = file.get<double>();
-    for (bool* applied : {&calibration.time_offset_applied,
-                          &calibration.rotation_applied,
-                          &calibration.lenses_applied})
-        *applied = file.get<std::uint8_t>() != 0;
-    return calibration;
+void fields(auto& file, Is<types::Track> auto& track) {
+    fields(file, track.rig);
+    file.list(track.causal);
+    file.list(track.odometry);
+    file.list(track.keyframes);
+    file.list(track.mapped);
+    file.list(track.landmarks);
+    fields(file, track.imu_alignment);
+    file.plain(track.statistics);
 }
 
-void put_covariances(base::BinaryWriter& file, const types::CovarianceTrack& covariances) {
-    file.put(static_cast<std::uint64_t>(covariances.size()));
-    for (const types::PoseCovariance& pose : covariances) {
-        file.put(pose.timestamp_ns);
-        file.put_raw(pose.position_m2);
-        file.put_raw(pose.rotation_rad2);
-    }
+void fields(auto& file, Is<types::OptimisedTrack> auto& track) {
+    file.list(track.trajectory);
+    file.list(track.keyframes);
+    file.list(track.mapped);
+    fields(file, track.rig);
+    fields(file, track.calibration);
+    file.list(track.covariances);
+    file.list(track.findings);
+    file.plain(track.statistics);
 }
 
-types::CovarianceTrack get_covariances(base::BinaryReader& file) {
-    types::CovarianceTrack covariances;
-    const auto num_poses = file.get<std::uint64_t>();
-    for (std::uint64_t i = 0; i < num_poses && file.ok(); ++i) {
-        types::PoseCovariance pose;
-        pose.timestamp_ns = file.get<std::int64_t>();
-        pose.position_m2 = file.get<Eigen::Matrix3d>();
-        pose.rotation_rad2 = file.get<Eigen::Matrix3d>();
-        covariances.push_back(pose);
-    }
-    return covariances;
-}
+void fields(auto& file, Is<CloudMetrics> auto& metrics) { file.plain(metrics); }
 
-void put_findings(base::BinaryWriter& file, const std::vector<Finding>& findings) {
-    file.put(static_cast<std::uint64_t>(findings.size()));
-    for (const Finding& finding : findings) {
-        file.put(finding.severity);
-        for (const auto* text : {&finding.code, &finding.where, &finding.message, &finding.remedy})
-            file.put_text(*text);
-    }
-}
-
-std::vector<Finding> get_findings(base::BinaryReader& file) {
-    std::vector<Finding> findings;
-    const auto num_findings = file.get<std::uint64_t>();
-    for (std::uint64_t i = 0; i < num_findings && file.ok(); ++i) {
-        Finding& finding = findings.emplace_back();
-        finding.severity = file.get<Severity>();
-        for (auto* text : {&finding.code, &finding.where, &finding.message, &finding.remedy})
-            *text = file.get_text();
-    }
-    return findings;
-}
-
-// Returns a reader positioned after the matching key; nullopt if the file is not what the stage
-// would make now.
-std::optional<base::BinaryReader> open_stage(const std::filesystem::path& path,
-                                             const std::string& key) {
-    base::BinaryReader file(path);
-    if (!file.ok() || file.get_text() != key || !file.ok()) return std::nullopt;
-    return file;
+void fields(auto& file, Is<Surface> auto& surface) {
+    file.vector(surface.mesh.vertices);
+    file.vector(surface.mesh.normals);
+    file.vector(surface.mesh.colors);
+    file.vector(surface.mesh.sigma_m);
+    file.vector(surface.mesh.sigma_local_m);
+    file.vector(surface.mesh.num_observations);
+    file.vector(surface.mesh.triangles);
+    file.optional(surface.simplification);
 }
 
 template <typename T>
-std::optional<T> complete(const base::BinaryReader& file, T value) {
+void save(const std::filesystem::path& path, const std::string& key, const T& value) {
+    base::BinaryWriter file(path);
+    file.put_text(key);
+    StageWriter writer{file};
+    fields(writer, value);
+    file.commit();
+}
+
+template <typename T>
+std::optional<T> load(const std::filesystem::path& path, const std::string& key) {
+    base::BinaryReader file(path);
+    if (!file.ok() || file.get_text() != key || !file.ok()) return std::nullopt;
+    T value;
+    StageReader reader{file};
+    fields(reader, value);
     if (!file.at_end()) return std::nullopt;
     return value;
 }
@@ -186,124 +179,43 @@ std::optional<T> complete(const base::BinaryReader& file, T value) {
 void save_track(const std::filesystem::path& path,
                 const std::string& key,
                 const types::Track& track) {
-    base::BinaryWriter file(path);
-    file.put_text(key);
-    put_rig(file, track.rig);
-    put_trajectory(file, track.causal);
-    put_trajectory(file, track.odometry);
-    put_keyframes(file, track.keyframes);
-    put_keyframes(file, track.mapped);
-    file.put(static_cast<std::uint64_t>(track.landmarks.size()));
-    for (const types::Landmark& landmark : track.landmarks) {
-        file.put_raw(landmark.p_world);
-        file.put_vector(landmark.observations);
-    }
-    put_alignment(file, track.imu_alignment);
-    file.put(track.statistics);
-    file.commit();
+    save(path, key, track);
 }
 
 std::optional<types::Track> load_track(const std::filesystem::path& path, const std::string& key) {
-    auto file = open_stage(path, key);
-    if (!file) return std::nullopt;
-    types::Track track;
-    track.rig = get_rig(*file);
-    track.causal = get_trajectory(*file);
-    track.odometry = get_trajectory(*file);
-    track.keyframes = get_keyframes(*file);
-    track.mapped = get_keyframes(*file);
-    const auto num_landmarks = file->get<std::uint64_t>();
-    for (std::uint64_t i = 0; i < num_landmarks && file->ok(); ++i) {
-        types::Landmark landmark;
-        landmark.p_world = file->get<Eigen::Vector3d>();
-        landmark.observations = file->get_vector<types::LandmarkObservation>();
-        track.landmarks.push_back(std::move(landmark));
-    }
-    track.imu_alignment = get_alignment(*file);
-    track.statistics = file->get<types::TrackStatistics>();
-    return complete(*file, std::move(track));
+    return load<types::Track>(path, key);
 }
 
 void save_optimised_track(const std::filesystem::path& path,
                           const std::string& key,
                           const types::OptimisedTrack& track) {
-    base::BinaryWriter file(path);
-    file.put_text(key);
-    put_trajectory(file, track.trajectory);
-    put_keyframes(file, track.keyframes);
-    put_keyframes(file, track.mapped);
-    put_rig(file, track.rig);
-    put_calibration(file, track.calibration);
-    put_covariances(file, track.covariances);
-    put_findings(file, track.findings);
-    file.put(track.statistics);
-    file.commit();
+    save(path, key, track);
 }
 
 std::optional<types::OptimisedTrack> load_optimised_track(const std::filesystem::path& path,
                                                           const std::string& key) {
-    auto file = open_stage(path, key);
-    if (!file) return std::nullopt;
-    types::OptimisedTrack track;
-    track.trajectory = get_trajectory(*file);
-    track.keyframes = get_keyframes(*file);
-    track.mapped = get_keyframes(*file);
-    track.rig = get_rig(*file);
-    track.calibration = get_calibration(*file);
-    track.covariances = get_covariances(*file);
-    track.findings = get_findings(*file);
-    track.statistics = file->get<types::OptimiseStatistics>();
-    return complete(*file, std::move(track));
+    return load<types::OptimisedTrack>(path, key);
 }
 
 void save_cloud_metrics(const std::filesystem::path& path,
                         const std::string& key,
                         const CloudMetrics& metrics) {
-    base::BinaryWriter file(path);
-    file.put_text(key);
-    file.put(metrics);
-    file.commit();
+    save(path, key, metrics);
 }
 
 std::optional<CloudMetrics> load_cloud_metrics(const std::filesystem::path& path,
                                                const std::string& key) {
-    auto file = open_stage(path, key);
-    if (!file) return std::nullopt;
-    return complete(*file, file->get<CloudMetrics>());
+    return load<CloudMetrics>(path, key);
 }
 
 void save_surface(const std::filesystem::path& path,
                   const std::string& key,
                   const Surface& surface) {
-    const types::Mesh& mesh = surface.mesh;
-    base::BinaryWriter file(path);
-    file.put_text(key);
-    file.put_vector(mesh.vertices);
-    file.put_vector(mesh.normals);
-    file.put_vector(mesh.colors);
-    file.put_vector(mesh.sigma_m);
-    file.put_vector(mesh.sigma_local_m);
-    file.put_vector(mesh.num_observations);
-    file.put_vector(mesh.triangles);
-    file.put(surface.simplification.has_value());
-    if (surface.simplification) file.put(*surface.simplification);
-    file.commit();
+    save(path, key, surface);
 }
 
 std::optional<Surface> load_surface(const std::filesystem::path& path, const std::string& key) {
-    auto file = open_stage(path, key);
-    if (!file) return std::nullopt;
-    Surface surface;
-    types::Mesh& mesh = surface.mesh;
-    mesh.vertices = file->get_vector<Eigen::Vector3f>();
-    mesh.normals = file->get_vector<Eigen::Vector3f>();
-    mesh.colors = file->get_vector<types::Color>();
-    mesh.sigma_m = file->get_vector<float>();
-    mesh.sigma_local_m = file->get_vector<float>();
-    mesh.num_observations = file->get_vector<std::uint32_t>();
-    mesh.triangles = file->get_vector<std::array<std::uint32_t, 3>>();
-    if (file->get<bool>()) surface.simplification = file->get<mesh::SimplificationError>();
-    return complete(*file, std::move(surface));
+    return load<Surface>(path, key);
 }
 
 }  // namespace divemesh::pipeline
