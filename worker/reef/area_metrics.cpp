@@ -25,65 +25,71 @@ std::optional<double> with_hidden(const std::optional<double>& gaps_filled,
     return std::max(gaps_filled, seen);
 }
 
-void add_surface_area(Kinds& kinds, const SamplingResolution& sampling_resolution) {
-    MetricKind kind{"surface_area", "m2", sampling_resolution.detail_m};
-    kind.method = "triangles of the mesh over the area, every sheet (habtools surface_area)";
-    kind.lowest = 0.0;
-    kind.length_power = 2;
-    kind.loses_detail = true;
-    kind.measure = [](const Ground& ground) {  // blurred as the highest surface is
-        return std::optional(surface_area_m2(ground.patch, ground.vertices) -
-                             ground.lost_to_blur_m2);
-    };
-    kinds.push_back(kind);
+MetricKind surface_area_kind(const SamplingResolution& sampling_resolution) {
+    return {.metric = "surface_area",
+            .unit = "m2",
+            .resolution_m = sampling_resolution.detail_m,
+            .method = "triangles of the mesh over the area, every sheet (habtools surface_area)",
+            .lowest = 0.0,
+            .loses_detail = true,
+            .length_power = 2,
+            .measure = [](const Ground& ground) {  // blurred as the highest surface is
+                return std::optional(surface_area_m2(ground.patch, ground.vertices) -
+                                     ground.lost_to_blur_m2);
+            }};
 }
 
-void add_rugosity(Kinds& kinds, double spacing_m) {
-    MetricKind kind{"rugosity", "", spacing_m};
-    kind.method =
-        "area of the highest surface sampled at the resolution over planar area "
-        "(habtools rg, method area)";
-    kind.lowest = 1.0;
-    kind.loses_detail = true;
-    kind.measure = [spacing_m](const Ground& ground) {
-        return with_hidden(rugosity(ground.gaps_filled_at(spacing_m)),
-                           rugosity(ground.at(spacing_m)));
-    };
-    kinds.push_back(kind);
+MetricKind rugosity_kind(double spacing_m) {
+    return {.metric = "rugosity",
+            .unit = "",
+            .resolution_m = spacing_m,
+            .method =
+                "area of the highest surface sampled at the resolution over planar area "
+                "(habtools rg, method area)",
+            .lowest = 1.0,
+            .loses_detail = true,
+            .measure = [spacing_m](const Ground& ground) {
+                return with_hidden(rugosity(ground.gaps_filled_at(spacing_m)),
+                                   rugosity(ground.at(spacing_m)));
+            }};
 }
 
-void add_rugosity_by_height_variation(Kinds& kinds, double spacing_m) {
-    MetricKind kind{"rugosity_hvar", "", spacing_m};
-    kind.method =
-        "mean of sqrt(1 + H0^2 / (2 L0^2)) over squares (habtools rg, method hvar; "
-        "Torres-Pulliza et al. 2020)";
-    kind.lowest = 1.0;
-    kind.loses_detail = true;
-    kind.measure = [spacing_m](const Ground& ground) {
-        return with_hidden(rugosity_by_height_variation(ground.gaps_filled, spacing_m),
-                           rugosity_by_height_variation(ground.grid, spacing_m));
-    };
-    kinds.push_back(kind);
+MetricKind rugosity_by_height_variation_kind(double spacing_m) {
+    return {.metric = "rugosity_hvar",
+            .unit = "",
+            .resolution_m = spacing_m,
+            .method =
+                "mean of sqrt(1 + H0^2 / (2 L0^2)) over squares (habtools rg, method hvar; "
+                "Torres-Pulliza et al. 2020)",
+            .lowest = 1.0,
+            .loses_detail = true,
+            .measure = [spacing_m](const Ground& ground) {
+                return with_hidden(rugosity_by_height_variation(ground.gaps_filled, spacing_m),
+                                   rugosity_by_height_variation(ground.grid, spacing_m));
+            }};
 }
 
-void add_heights(Kinds& kinds) {
-    MetricKind range{"height_range", "m", std::nullopt};
-    range.method = "highest minus lowest along the normal (habtools hr)";
-    range.lowest = 0.0;
-    range.is_extreme = true;
-    range.length_power = 1;
-    range.loses_detail = true;
-    range.measure = [](const Ground& ground) { return height_range(ground.grid); };
-    kinds.push_back(range);
-    MetricKind volume{"volume", "m3", std::nullopt};
-    volume.method = "between the highest surface and the area's plane, above minus below";
-    volume.is_extreme = true;
-    volume.length_power = 3;
-    volume.is_from_plane = true;
-    volume.measure = [](const Ground& ground) {
-        return std::optional(volume_over_plane(ground.gaps_filled));
-    };
-    kinds.push_back(volume);
+MetricKind height_range_kind() {
+    return {.metric = "height_range",
+            .unit = "m",
+            .method = "highest minus lowest along the normal (habtools hr)",
+            .lowest = 0.0,
+            .is_extreme = true,
+            .loses_detail = true,
+            .length_power = 1,
+            .measure = [](const Ground& ground) { return height_range(ground.grid); }};
+}
+
+MetricKind volume_kind() {
+    return {.metric = "volume",
+            .unit = "m3",
+            .method = "between the highest surface and the area's plane, above minus below",
+            .is_extreme = true,
+            .length_power = 3,
+            .is_from_plane = true,
+            .measure = [](const Ground& ground) {
+                return std::optional(volume_over_plane(ground.gaps_filled));
+            }};
 }
 
 std::optional<Eigen::Vector3d> normal_world(const Ground& ground) {
@@ -92,28 +98,31 @@ std::optional<Eigen::Vector3d> normal_world(const Ground& ground) {
     return ground.R_world_plane * *normal;
 }
 
-void add_slope(Kinds& kinds) {
-    MetricKind slope{"slope", "deg", std::nullopt};
-    slope.method = "of the plane fitted to the heights, from the horizontal";
-    slope.lowest = 0.0;
-    slope.highest = 180.0;
-    slope.measure = [](const Ground& ground) -> std::optional<double> {
-        const auto normal = normal_world(ground);
-        if (!normal) return std::nullopt;
-        return std::atan2(normal->head<2>().norm(), normal->z()) * kDegrees;
-    };
-    kinds.push_back(slope);
-    MetricKind aspect{"aspect", "deg", std::nullopt};
-    aspect.method = "downhill of that plane, from the world's y towards its x";
-    aspect.is_direction = true;
-    aspect.measure = [](const Ground& ground) -> std::optional<double> {
-        const auto normal = normal_world(ground);
-        constexpr double kMinSlope = 0.0175;  // 1 degree: flat ground has no aspect
-        if (!normal || normal->head<2>().norm() < kMinSlope) return std::nullopt;
-        const double angle = std::atan2(normal->x(), normal->y()) * kDegrees;
-        return angle < 0.0 ? angle + 360.0 : angle;
-    };
-    kinds.push_back(aspect);
+MetricKind slope_kind() {
+    return {.metric = "slope",
+            .unit = "deg",
+            .method = "of the plane fitted to the heights, from the horizontal",
+            .lowest = 0.0,
+            .highest = 180.0,
+            .measure = [](const Ground& ground) -> std::optional<double> {
+                const auto normal = normal_world(ground);
+                if (!normal) return std::nullopt;
+                return std::atan2(normal->head<2>().norm(), normal->z()) * kDegrees;
+            }};
+}
+
+MetricKind aspect_kind() {
+    return {.metric = "aspect",
+            .unit = "deg",
+            .method = "downhill of that plane, from the world's y towards its x",
+            .is_direction = true,
+            .measure = [](const Ground& ground) -> std::optional<double> {
+                const auto normal = normal_world(ground);
+                constexpr double kMinSlope = 0.0175;  // 1 degree: flat ground has no aspect
+                if (!normal || normal->head<2>().norm() < kMinSlope) return std::nullopt;
+                const double angle = std::atan2(normal->x(), normal->y()) * kDegrees;
+                return angle < 0.0 ? angle + 360.0 : angle;
+            }};
 }
 
 void add_terrain(Kinds& kinds, double spacing_m) {
@@ -156,17 +165,20 @@ void add_terrain(Kinds& kinds, double spacing_m) {
 }
 
 void add_fractal_dimensions(Kinds& kinds, double finest_m) {
-    MetricKind hvar{"fractal_dimension_hvar", "", 2.0 * finest_m};
-    hvar.method = "height variation over scales halved down to the resolution (habtools fd, hvar)";
-    hvar.lowest = 2.0;
-    hvar.highest = 3.0;
-    hvar.loses_detail = true;
-    hvar.needs_height_spread = true;
     // In habtools the smallest square has ten samples.
     const double sample_m = 0.2 * finest_m;
-    hvar.measure = [=](const Ground& ground) {
-        return fractal_dimension_by_height_variation(ground.near(sample_m), 2.0 * finest_m);
-    };
+    const MetricKind hvar{
+        .metric = "fractal_dimension_hvar",
+        .unit = "",
+        .resolution_m = 2.0 * finest_m,
+        .method = "height variation over scales halved down to the resolution (habtools fd, hvar)",
+        .lowest = 2.0,
+        .highest = 3.0,
+        .loses_detail = true,
+        .needs_height_spread = true,
+        .measure = [=](const Ground& ground) {
+            return fractal_dimension_by_height_variation(ground.near(sample_m), 2.0 * finest_m);
+        }};
     kinds.push_back(hvar);
     MetricKind cubes = hvar;
     cubes.metric = "fractal_dimension_cubes";
@@ -214,12 +226,11 @@ std::vector<MetricKind> area_metrics(const MeasureOptions& options,
                                      const SamplingResolution& sampling_resolution,
                                      std::optional<double> finest_m) {
     Kinds kinds;
-    add_surface_area(kinds, sampling_resolution);
-    for (const double spacing_m : options.spacings_m) add_rugosity(kinds, spacing_m);
+    kinds.push_back(surface_area_kind(sampling_resolution));
+    for (const double spacing_m : options.spacings_m) kinds.push_back(rugosity_kind(spacing_m));
     for (const double spacing_m : options.spacings_m)
-        add_rugosity_by_height_variation(kinds, spacing_m);
-    add_heights(kinds);
-    add_slope(kinds);
+        kinds.push_back(rugosity_by_height_variation_kind(spacing_m));
+    kinds.insert(kinds.end(), {height_range_kind(), volume_kind(), slope_kind(), aspect_kind()});
     const double finest = finest_m.value_or(options.spacings_m.back());
     add_terrain(kinds, finest);
     add_fractal_dimensions(kinds, finest);
