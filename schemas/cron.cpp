@@ -24,8 +24,8 @@ const Names kDayNames = {"sun", "mon", "tue", "wed", "thu", "fri", "sat"};
 
 struct Field {
     std::string_view what;
-    unsigned least;
-    unsigned most;
+    unsigned min;
+    unsigned max;
     const Names& names;
 };
 
@@ -33,8 +33,8 @@ struct Field {
     throw Error(
         ErrorCode::InvalidArgument,
         "cron: the " + std::string(field.what) + " '" + std::string(text.substr(0, 60)) +
-            "' must be *, a number from " + std::to_string(field.least) + " to " +
-            std::to_string(field.most) +
+            "' must be *, a number from " + std::to_string(field.min) + " to " +
+            std::to_string(field.max) +
             ", a range a-b, optionally with /step, or several of these separated by commas");
 }
 
@@ -55,7 +55,7 @@ unsigned value_of(const Field& field, std::string_view text, std::string_view wh
     if (!lower.empty() && named != field.names.end())
         return static_cast<unsigned>(named - field.names.begin());
     const auto number = number_of(text);
-    if (!number || *number < field.least || *number > field.most) refuse(field, whole);
+    if (!number || *number < field.min || *number > field.max) refuse(field, whole);
     return *number;
 }
 
@@ -75,9 +75,9 @@ void add_range(const Field& field, std::string_view text, std::bitset<kSize>& se
     const auto slash = split(text, '/');
     if (slash.size() > 2) refuse(field, text);
     const auto step = slash.size() == 2 ? number_of(slash[1]) : std::optional(1U);
-    if (!step || *step == 0 || *step > field.most) refuse(field, text);
-    unsigned first = field.least;
-    unsigned last = field.most;
+    if (!step || *step == 0 || *step > field.max) refuse(field, text);
+    unsigned first = field.min;
+    unsigned last = field.max;
     if (slash[0] != "*") {
         const auto ends = split(slash[0], '-');
         if (ends.size() > 2) refuse(field, text);

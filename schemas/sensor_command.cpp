@@ -25,10 +25,10 @@ constexpr std::int64_t kMinImageBytes = 1024;
 constexpr std::int64_t kMaxImageBytes = 256 << 10;
 constexpr std::int64_t kLatest_ms = std::int64_t{1} << 53;
 
-bool is_whole(const json& value, std::int64_t least, std::int64_t largest) {
+bool is_whole(const json& value, std::int64_t min, std::int64_t max) {
     return value.is_number_unsigned() &&
-           value.get<std::uint64_t>() <= static_cast<std::uint64_t>(largest) &&
-           value.get<std::int64_t>() >= least;
+           value.get<std::uint64_t>() <= static_cast<std::uint64_t>(max) &&
+           value.get<std::int64_t>() >= min;
 }
 
 bool is_short_text(const json& value, std::size_t max_num_bytes) {

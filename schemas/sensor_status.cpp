@@ -62,7 +62,7 @@ public:
             if (!value->is_boolean()) fail(field.name, "must be true or false");
             return;
         }
-        number(*value, std::string(field.name), field.least, field.largest);
+        number(*value, std::string(field.name), field.min, field.max);
     }
     void text(const char* name, std::size_t max_num_bytes) {
         const json* value = find(name);
@@ -119,11 +119,11 @@ private:
         const auto value = status_.find(name);
         return value == status_.end() || value->is_null() ? nullptr : &*value;
     }
-    void number(const json& value, const std::string& place, double least, double largest) {
+    void number(const json& value, const std::string& place, double min, double max) {
         if (!value.is_number()) return fail(place, "must be a number");
         const auto number = value.get<double>();
-        if (!(number >= least && number <= largest))
-            fail(place, "must be from " + json(least).dump() + " to " + json(largest).dump());
+        if (!(number >= min && number <= max))
+            fail(place, "must be from " + json(min).dump() + " to " + json(max).dump());
     }
     void fail(std::string_view place, const std::string& what) {
         std::string detail(1, '"');

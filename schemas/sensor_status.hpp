@@ -15,8 +15,8 @@ namespace divemesh {
 struct StatusField {
     std::string_view name;
     bool is_flag = false;
-    double least = 0.0;
-    double largest = 0.0;
+    double min = 0.0;
+    double max = 0.0;
 };
 
 // The only place that declares these fields; tests compare schemas/sensor-report.schema.json and

@@ -102,19 +102,19 @@ void require_few_open(soci::session& session, const Upload& upload, const Upload
     const struct {
         const char* column;
         const std::string& value;
-        std::int64_t most;
+        std::int64_t max_num_open;
         std::string whose;
     } cases[] = {
         {"project", upload.project, limits.max_open_of_project, "project " + upload.project},
         {"token_id", upload.token_id, limits.max_open_of_token, "this token"}};
     for (const auto& c : cases) {
-        if (c.most == 0 || c.value.empty()) continue;
+        if (c.max_num_open == 0 || c.value.empty()) continue;
         std::int64_t count = 0;
         session << "SELECT COUNT(*) FROM uploads WHERE " << c.column << " = :value" << kOpen,
             soci::into(count), soci::use(c.value, "value");
-        if (count >= c.most)
+        if (count >= c.max_num_open)
             throw Error(ErrorCode::TooMany,
-                        c.whose + " has " + std::to_string(c.most) +
+                        c.whose + " has " + std::to_string(c.max_num_open) +
                             " unfinished uploads: finish or delete some");
     }
 }

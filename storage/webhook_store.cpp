@@ -117,7 +117,7 @@ const std::string kSelectDue =
 
 std::vector<DueDelivery> oldest_of_each(soci::session& session, std::size_t limit) {
     const std::int64_t now_ms = Catalog::now_ms(session);
-    const auto most = static_cast<std::int64_t>(limit);
+    const auto max_num_rows = static_cast<std::int64_t>(limit);
     return select_all<DueRow>(
         session,
         kSelectDue +
@@ -126,7 +126,7 @@ std::vector<DueDelivery> oldest_of_each(soci::session& session, std::size_t limi
             " AND first.next_at_ms <= :now ORDER BY first.next_at_ms, first.id LIMIT 1)"
             " ORDER BY next_at_ms, webhook_deliveries.id LIMIT :limit",
         soci::use(now_ms, "now"),
-        soci::use(most, "limit"));
+        soci::use(max_num_rows, "limit"));
 }
 
 void lease_delivery(soci::session& session,

@@ -78,9 +78,9 @@ public:
 
 private:
     std::size_t wanted_parts() const {
-        const std::int64_t most = std::max<std::int64_t>(source_.size_bytes(), 1);
+        const std::int64_t max_num_parts = std::max<std::int64_t>(source_.size_bytes(), 1);
         return static_cast<std::size_t>(
-            std::clamp<std::int64_t>(context_.settings.num_parts, 1, most));
+            std::clamp<std::int64_t>(context_.settings.num_parts, 1, max_num_parts));
     }
 
     std::string send_whole() {

@@ -88,13 +88,14 @@ Upload enter_final(const Services& services, storage::Catalog& catalog, Upload w
     if (auto known = storage::UploadStore(services.catalog).find_final(wanted))
         return std::move(*known);
     const std::vector<std::string> part_ids = parts_of(wanted);
-    const std::int64_t most = services.limits.max_upload_bytes;
+    const std::int64_t max_bytes = services.limits.max_upload_bytes;
     std::int64_t length = 0;
     for (const std::string& id : part_ids) {
         length += *read_part(services, wanted, id).length_bytes;
-        if (length > most)
-            throw Error(ErrorCode::TooLarge,
-                        "the parts together have more than " + std::to_string(most) + " bytes");
+        if (length > max_bytes)
+            throw Error(
+                ErrorCode::TooLarge,
+                "the parts together have more than " + std::to_string(max_bytes) + " bytes");
     }
     wanted.length_bytes = length;
     return enter_upload(services, catalog, wanted, part_ids);

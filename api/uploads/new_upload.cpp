@@ -19,12 +19,12 @@ Upload enter_upload(const Services& services,
                     "the server's disk has no space for " + std::to_string(wanted) +
                         " bytes: delete dives or ask the administrator");
     if (!plan_of(upload.metadata).truth) require_dive_of_quota(services, upload.project);
-    const storage::UploadLimits most{.max_bytes_of_project = limits.max_project_bytes,
-                                     .max_open_of_project = limits.max_open_uploads,
-                                     .max_open_of_token = limits.max_token_uploads};
+    const storage::UploadLimits upload_limits{.max_bytes_of_project = limits.max_project_bytes,
+                                              .max_open_of_project = limits.max_open_uploads,
+                                              .max_open_of_token = limits.max_token_uploads};
     storage::UploadStore uploads(catalog);
-    return upload.is_final() ? uploads.create_final(upload, part_ids, most)
-                             : uploads.create(upload, most);
+    return upload.is_final() ? uploads.create_final(upload, part_ids, upload_limits)
+                             : uploads.create(upload, upload_limits);
 }
 
 }  // namespace divemesh::api

@@ -26,10 +26,10 @@ void RateMeter::answered(Clock::time_point now, const Stamp& last, std::int64_t 
 }
 
 double RateMeter::bytes_per_s(Clock::time_point now) const {
-    double most = 0.0;
+    double max_rate = 0.0;
     for (const auto& [at, rate] : samples_)
-        if (at + kMemory >= now) most = std::max(most, rate);
-    return most;
+        if (at + kMemory >= now) max_rate = std::max(max_rate, rate);
+    return max_rate;
 }
 
 }  // namespace divemesh::sensor

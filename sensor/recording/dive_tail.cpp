@@ -76,10 +76,11 @@ bool DiveTail::update(std::int64_t until_ns) {
 
 const DiveTail::Row* DiveTail::partner_of(const Row& left) const {
     const Row* nearest = nullptr;
-    std::int64_t least = kMaxPartnerOffset_ns + 1;
+    std::int64_t min_offset_ns = kMaxPartnerOffset_ns + 1;
     for (const Row& right : right_)
-        if (const auto away = std::abs(right.timestamp_ns - left.timestamp_ns); away < least) {
-            least = away;
+        if (const auto away = std::abs(right.timestamp_ns - left.timestamp_ns);
+            away < min_offset_ns) {
+            min_offset_ns = away;
             nearest = &right;
         }
     return nearest;

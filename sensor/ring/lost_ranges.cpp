@@ -28,10 +28,10 @@ void LostRanges::remove(const SequenceRange& range) {
     }
 }
 
-std::vector<SequenceRange> LostRanges::first(std::size_t most) const {
+std::vector<SequenceRange> LostRanges::first(std::size_t max_num_ranges) const {
     std::vector<SequenceRange> ranges;
     for (const auto& [first, last] : ranges_) {
-        if (ranges.size() == most) break;
+        if (ranges.size() == max_num_ranges) break;
         ranges.push_back({first, last});
     }
     return ranges;

@@ -14,7 +14,7 @@ public:
     void add(const SequenceRange& range);
     void remove(const SequenceRange& range);
     bool empty() const { return ranges_.empty(); }
-    std::vector<SequenceRange> first(std::size_t most) const;
+    std::vector<SequenceRange> first(std::size_t max_num_ranges) const;
 
 private:
     std::map<std::int64_t, std::int64_t> ranges_;  // first to last; no two are adjacent

@@ -154,8 +154,9 @@ std::string SegmentChain::read_message(const Place& place) {
 }
 
 void SegmentChain::append(char word, std::string_view payload) {
-    const std::int64_t most = std::max(kMinSegmentBytes, max_bytes_ / kSegments);
-    if (is_open_ && (segments_.back()->size_bytes() >= most || segments_.back()->is_removed()))
+    const std::int64_t max_segment_bytes = std::max(kMinSegmentBytes, max_bytes_ / kSegments);
+    if (is_open_ &&
+        (segments_.back()->size_bytes() >= max_segment_bytes || segments_.back()->is_removed()))
         is_open_ = false;
     if (!is_open_) begin_segment();
     std::string record(1, word);

@@ -41,8 +41,8 @@ double condense(const Goal& goal, const std::vector<double>& values) {
     if (goal.over == Goal::Over::Mean)
         return std::accumulate(values.begin(), values.end(), 0.0) /
                static_cast<double>(values.size());
-    const auto [least, most] = std::minmax_element(values.begin(), values.end());
-    return goal.at_most ? *most : *least;
+    const auto [min, max] = std::minmax_element(values.begin(), values.end());
+    return goal.at_most ? *max : *min;
 }
 
 }  // namespace

@@ -142,8 +142,8 @@ nlohmann::json compare_on_stereo_pairs(const fs::path& middlebury) {
                 const OpenCvVariant variant{mode, block, checked};
                 const double share = mean_over_pairs(
                     [&](const StereoPair& pair) { return match_opencv(pair, variant); }, nullptr);
-                auto& least = result[name][checked ? "checked" : "unchecked"];
-                least = least.is_null() ? share : std::min(share, least.get<double>());
+                auto& min_share = result[name][checked ? "checked" : "unchecked"];
+                min_share = min_share.is_null() ? share : std::min(share, min_share.get<double>());
                 best = std::min(best, share);
             }
     result["figures"] = {

@@ -153,8 +153,8 @@ TEST(SensorReportTest, TheSchemaHasEveryFieldWithItsRange) {
             continue;
         }
         EXPECT_EQ(described.at("type").at(0), "number") << field.name;
-        EXPECT_EQ(described.at("minimum").get<double>(), field.least) << field.name;
-        EXPECT_EQ(described.at("maximum").get<double>(), field.largest) << field.name;
+        EXPECT_EQ(described.at("minimum").get<double>(), field.min) << field.name;
+        EXPECT_EQ(described.at("maximum").get<double>(), field.max) << field.name;
     }
 }
 

@@ -118,8 +118,9 @@ TEST_F(UploadStoreTest, CountsWhatIsNeitherEndedNorADive) {
     uploads_.end(ended.id, UploadEnd::Terminated);
     create_dive("wreck");
 
-    const auto open_in_p = [&](std::int64_t most) {
-        uploads_.create({.project = "p", .length_bytes = 10}, {.max_open_of_project = most});
+    const auto open_in_p = [&](std::int64_t max_num_open) {
+        uploads_.create({.project = "p", .length_bytes = 10},
+                        {.max_open_of_project = max_num_open});
     };
     EXPECT_TRUE(throws_code(ErrorCode::TooMany, [&] { open_in_p(1); }));
     EXPECT_EQ(uploads_.list_open().size(), 2u);

@@ -31,8 +31,8 @@ double compared_m2(const ChangeMap& map) {
 
 // Returns a mask (CV_8U) of cells whose change is larger than that of any ground by chance.
 cv::Mat beyond_chance(const ChangeMap& map, double ground_m2, double core_m2) {
-    const double most = exceeded_with(0.05 / std::max(1.0, ground_m2 / core_m2));
-    const cv::Mat level = most * (map.sigma_m + map.registration_m);
+    const double max_sigmas = exceeded_with(0.05 / std::max(1.0, ground_m2 / core_m2));
+    const cv::Mat level = max_sigmas * (map.sigma_m + map.registration_m);
     return cv::abs(map.change_m) > level;
 }
 

@@ -28,12 +28,12 @@ MarkerPosition position_of(const nlohmann::json& entry) {
 // Returns the segment with the most frames.
 int largest_segment(const nlohmann::json& metrics) {
     int largest = 0;
-    std::int64_t most = -1;
+    std::int64_t max_num_frames = -1;
     int number = 0;
     for (const auto& segment : metrics.at("pieces")) {
         const auto num_frames = segment.at("num_frames").get<std::int64_t>();
-        if (num_frames > most) largest = number;
-        most = std::max(most, num_frames);
+        if (num_frames > max_num_frames) largest = number;
+        max_num_frames = std::max(max_num_frames, num_frames);
         ++number;
     }
     return largest;

@@ -13,8 +13,8 @@ namespace {
 cv::Rect window_about(const reef::Polygon& corners, const RasterGrid& grid) {
     Eigen::AlignedBox2d box;
     for (const Eigen::Vector2d& p : corners) box.extend(p);
-    const auto within = [](double place, int most) {
-        return static_cast<int>(std::clamp(place, 0.0, static_cast<double>(most)));
+    const auto within = [](double place, int max) {
+        return static_cast<int>(std::clamp(place, 0.0, static_cast<double>(max)));
     };
     const cv::Point low(within(box.min().x(), grid.columns), within(box.min().y(), grid.rows));
     const cv::Point high(within(box.max().x() + 1.0, grid.columns),

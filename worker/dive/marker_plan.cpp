@@ -75,12 +75,12 @@ private:
         return is_there ? found->get<double>() : std::nan("");
     }
 
-    double length(const json& object, const Place& at, const std::string& key, double most) {
+    double length(const json& object, const Place& at, const std::string& key, double max_m) {
         const double value = number(object, key);
-        if (!(value > 0.0 && value <= most))
+        if (!(value > 0.0 && value <= max_m))
             add(at.field(key),
                 "must be a length in m, more than 0 and at most " +
-                    std::to_string(static_cast<int>(most)));
+                    std::to_string(static_cast<int>(max_m)));
         return value;
     }
 

@@ -41,11 +41,12 @@ std::vector<double> rates(const types::Trajectory& trajectory, double step_s, bo
     return result;
 }
 
-// Returns Pearson's correlation over the samples that both have; nullopt for fewer than `least`.
+// Returns Pearson's correlation over the samples that both have; nullopt for fewer than
+// `min_num_samples`.
 std::optional<double> correlation(const std::vector<double>& a,
                                   const std::vector<double>& b,
                                   std::ptrdiff_t lag,
-                                  std::size_t least) {
+                                  std::size_t min_num_samples) {
     double n = 0.0, sa = 0.0, sb = 0.0, saa = 0.0, sbb = 0.0, sab = 0.0;
     const auto first = static_cast<std::size_t>(std::max<std::ptrdiff_t>(0, -lag));
     for (std::size_t i = first; i < a.size(); ++i) {
@@ -59,7 +60,7 @@ std::optional<double> correlation(const std::vector<double>& a,
         sbb += b[j] * b[j];
         sab += a[i] * b[j];
     }
-    if (n < static_cast<double>(least)) return std::nullopt;
+    if (n < static_cast<double>(min_num_samples)) return std::nullopt;
     const double variance = (saa - sa * sa / n) * (sbb - sb * sb / n);
     return variance > 0.0 ? (sab - sa * sb / n) / std::sqrt(variance) : 0.0;
 }
@@ -71,10 +72,10 @@ struct Candidate {
 
 std::vector<Candidate> peaks(const std::vector<double>& estimate,
                              const std::vector<double>& truth) {
-    const std::size_t least = std::max<std::size_t>(20, estimate.size() / 2);
+    const std::size_t min_num_samples = std::max<std::size_t>(20, estimate.size() / 2);
     std::vector<Candidate> all;
     for (auto lag = -std::ssize(estimate); lag < std::ssize(truth); ++lag)
-        if (const auto value = correlation(estimate, truth, lag, least))
+        if (const auto value = correlation(estimate, truth, lag, min_num_samples))
             all.push_back({*value, lag});
     std::vector<Candidate> found;
     for (std::size_t i = 0; i < all.size(); ++i)

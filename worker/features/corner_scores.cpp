@@ -93,7 +93,7 @@ const cv::Mat& CornerScores::of(const cv::Mat& image) {
 }
 
 std::vector<cv::Point> best_of_cells(const cv::Mat& scores,
-                                     float least,
+                                     float min_score,
                                      int border_px,
                                      int cell_px) {
     std::vector<cv::Point> corners;
@@ -106,7 +106,7 @@ std::vector<cv::Point> best_of_cells(const cv::Mat& scores,
             double score = 0.0;
             cv::Point at;
             cv::minMaxLoc(scores(cell), nullptr, &score, nullptr, &at);
-            if (score >= least) corners.push_back(at + cell.tl());
+            if (score >= min_score) corners.push_back(at + cell.tl());
         }
     }
     return corners;

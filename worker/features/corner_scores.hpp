@@ -31,9 +31,9 @@ private:
 };
 
 // Returns the best pixel of each square cell inside the borders, row by row, if it scores at least
-// `least`.
+// `min_score`.
 std::vector<cv::Point> best_of_cells(const cv::Mat& scores,
-                                     float least,
+                                     float min_score,
                                      int border_px,
                                      int cell_px);
 

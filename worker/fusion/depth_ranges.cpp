@@ -13,23 +13,24 @@ constexpr float kMaxDepthRatio = 3.0F;
 // so the truncation, grows with the square of the depth: behind the surface it ends where z - depth
 // = noise z^2, if there is a solution.
 DepthRange range_of(const TsdfView& view, const SurfacePixel& pixel) {
-    const float most = kMaxDepthRatio * pixel.depth_m;
+    const float max_depth = kMaxDepthRatio * pixel.depth_m;
     const float across =
         pixel.offset_m / pixel.depth_m;  // along the plane's normal, per metre of z
     const float to_corner =
         0.5F * (std::abs(pixel.normal[0]) + std::abs(pixel.normal[1])) / view.focal_px;
-    if (across <= to_corner) return {0.0F, most};
+    if (across <= to_corner) return {0.0F, max_depth};
     const float far_depth = pixel.offset_m / (across - to_corner);
-    if (!makes_surface(view, pixel)) return {pixel.depth_m, std::min(most, far_depth)};
+    if (!makes_surface(view, pixel)) return {pixel.depth_m, std::min(max_depth, far_depth)};
     const float near_depth = pixel.offset_m / (across + to_corner);
-    const float least = kTruncation_voxels * view.voxel_m;
+    const float min_truncation = kTruncation_voxels * view.voxel_m;
     const float noise = kTruncation_sigmas * (pixel.sigma_disparity_px *
                                               view.depth_sigma_scale);  // 1/m, along the normal
-    const float nearest = std::max(least, noise * near_depth * near_depth) / (across + to_corner);
+    const float nearest =
+        std::max(min_truncation, noise * near_depth * near_depth) / (across + to_corner);
     const float root = 1.0F - 4.0F * noise * far_depth / (across - to_corner);
-    const float noise_ends = root <= 0.0F ? most : 2.0F * far_depth / (1.0F + std::sqrt(root));
-    const float min_ends = far_depth + least / (across - to_corner);
-    return {near_depth - nearest, std::min(most, std::max(min_ends, noise_ends))};
+    const float noise_ends = root <= 0.0F ? max_depth : 2.0F * far_depth / (1.0F + std::sqrt(root));
+    const float min_ends = far_depth + min_truncation / (across - to_corner);
+    return {near_depth - nearest, std::min(max_depth, std::max(min_ends, noise_ends))};
 }
 
 }  // namespace

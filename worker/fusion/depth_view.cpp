@@ -216,9 +216,9 @@ void halve_row(const DepthImage& from, int row, DepthImage& to) {
     auto* sigma = to.sigma.ptr<float>(row);
     auto* rim = to.rim.ptr<float>(row);
     for (int x = 0; x < to.disparity.cols; ++x) {
-        const float least = std::min(std::min(above[2 * x], above[2 * x + 1]),
-                                     std::min(below[2 * x], below[2 * x + 1]));
-        disparity[x] = least > 0.0F ? 0.5F * mean_of(from.disparity, x) : 0.0F;
+        const float min_disparity = std::min(std::min(above[2 * x], above[2 * x + 1]),
+                                             std::min(below[2 * x], below[2 * x + 1]));
+        disparity[x] = min_disparity > 0.0F ? 0.5F * mean_of(from.disparity, x) : 0.0F;
         sigma[x] = 0.5F * mean_of(from.sigma, x);
         rim[x] = 0.5F * mean_of(from.rim, x);
     }

@@ -14,8 +14,8 @@ DIVEMESH_INLINE_BODY base::Floats unpack_weights(base::Masks packed) {
 DIVEMESH_INLINE_BODY base::Masks pack_weights(base::Floats weights) {
     const base::Masks bits = reinterpret_cast<base::Masks>(weights) - kWeightBase;
     const base::Masks rounded = (bits + (1 << (kWeightShift - 1))) >> kWeightShift;
-    const base::Masks least = rounded > 1 ? rounded : base::Masks{} + 1;
-    return least < 0xffff ? least : base::Masks{} + 0xffff;
+    const base::Masks at_least_one = rounded > 1 ? rounded : base::Masks{} + 1;
+    return at_least_one < 0xffff ? at_least_one : base::Masks{} + 0xffff;
 }
 
 }  // namespace divemesh::fusion

@@ -94,17 +94,18 @@ public:
     Fit(const GyroscopePath& path, const std::vector<VisionRotation>& rotations) : path_(path) {
         for (const VisionRotation& rotation : rotations)
             if (path_.covers(rotation.from_ns - kReach_ns, rotation.to_ns + kReach_ns))
-                turns_.push_back({rotation,
-                                  base::vector_from_rotation(rotation.q_from_to),
-                                  1e-9 * static_cast<double>(rotation.to_ns - rotation.from_ns)});
+                rotations_.push_back(
+                    {rotation,
+                     base::vector_from_rotation(rotation.q_from_to),
+                     1e-9 * static_cast<double>(rotation.to_ns - rotation.from_ns)});
     }
 
-    std::size_t num_rotations() const { return turns_.size(); }
+    std::size_t num_rotations() const { return rotations_.size(); }
 
     // Returns the sum of the residuals' norms, robust against outliers.
     double cost(const State& state) const {
         double sum = 0.0;
-        for (const Turn& rotation : turns_) sum += residual(state, rotation).norm();
+        for (const TimedRotation& rotation : rotations_) sum += residual(state, rotation).norm();
         return sum;
     }
 
@@ -114,7 +115,7 @@ public:
         const double sigma = scale(state);
         Matrix7 H = Matrix7::Zero();
         Vector7 g = Vector7::Zero();
-        for (const Turn& rotation : turns_) add(state, rotation, sigma, H, g);
+        for (const TimedRotation& rotation : rotations_) add(state, rotation, sigma, H, g);
         Vector7 weight;
         weight << std::pow(kPriorOffset_s, -2),
             Eigen::Vector3d::Constant(std::pow(kPriorRotation_rad, -2)),
@@ -140,27 +141,32 @@ public:
     }
 
 private:
-    struct Turn {
+    struct TimedRotation {
         VisionRotation seen;
         Eigen::Vector3d vector;
         double duration_s;
     };
 
-    Eigen::Vector3d gyroscope(const Turn& rotation, double offset_s) const {
+    Eigen::Vector3d gyroscope(const TimedRotation& rotation, double offset_s) const {
         const std::int64_t shift_ns = nanoseconds(offset_s);
         return path_.rotation(rotation.seen.from_ns + shift_ns, rotation.seen.to_ns + shift_ns);
     }
-    Eigen::Vector3d residual(const State& state, const Turn& rotation) const {
+    Eigen::Vector3d residual(const State& state, const TimedRotation& rotation) const {
         return rotation.vector - (state.q_body_imu * gyroscope(rotation, state.offset_s) -
                                   rotation.duration_s * state.bias);
     }
     // Returns the standard deviation per axis, from the median of the norms.
     double scale(const State& state) const {
         std::vector<double> norms;
-        for (const Turn& rotation : turns_) norms.push_back(residual(state, rotation).norm());
+        for (const TimedRotation& rotation : rotations_)
+            norms.push_back(residual(state, rotation).norm());
         return std::max(stats::upper_median(std::move(norms)) / kMedianOfNorm, kMinSigma_rad);
     }
-    void add(const State& state, const Turn& rotation, double sigma, Matrix7& H, Vector7& g) const {
+    void add(const State& state,
+             const TimedRotation& rotation,
+             double sigma,
+             Matrix7& H,
+             Vector7& g) const {
         const Eigen::Vector3d r = residual(state, rotation);
         Eigen::Matrix<double, 3, 7> J;
         J.col(0) = -(state.q_body_imu * (gyroscope(rotation, state.offset_s + kDerivativeStep_s) -
@@ -176,20 +182,20 @@ private:
     }
 
     const GyroscopePath& path_;
-    std::vector<Turn> turns_;
+    std::vector<TimedRotation> rotations_;
 };
 
 // Returns the best of a series of time offsets, each with its best rotation and bias.
 State coarse(const Fit& fit) {
     State best;
-    double least = -1.0;
+    double min_cost = -1.0;
     for (std::int64_t lag_ns = -kReach_ns; lag_ns <= kReach_ns; lag_ns += kCoarseStep_ns) {
         State state;
         state.offset_s = 1e-9 * static_cast<double>(lag_ns);
         for (int i = 0; i < 2; ++i) fit.step(state, false);
         const double cost = fit.cost(state);
-        if (least >= 0.0 && cost >= least) continue;
-        least = cost;
+        if (min_cost >= 0.0 && cost >= min_cost) continue;
+        min_cost = cost;
         best = state;
     }
     return best;

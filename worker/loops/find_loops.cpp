@@ -99,16 +99,17 @@ private:
                                        std::size_t low,
                                        std::size_t high) const {
         std::optional<std::size_t> best;
-        double least = kMaxShift;
+        double min_distance = kMaxShift;
         for (std::size_t i = low; i < high; ++i) {
             const Eigen::Isometry3d& T_world_i = track_.keyframes[i].T_world_cam;
             const double shift = (T_world_i.translation() - T_world_cam.translation()).norm() /
                                  track_.statistics.median_depth_m;
-            if (shift >= least) continue;
+            if (shift >= min_distance) continue;
             const double rotation_rad =
                 Eigen::AngleAxisd(T_world_cam.linear().transpose() * T_world_i.linear()).angle();
-            if (rotation_rad > kMaxRotation_rad || shift + 0.5 * rotation_rad >= least) continue;
-            least = shift + 0.5 * rotation_rad;
+            if (rotation_rad > kMaxRotation_rad || shift + 0.5 * rotation_rad >= min_distance)
+                continue;
+            min_distance = shift + 0.5 * rotation_rad;
             best = i;
         }
         return best;

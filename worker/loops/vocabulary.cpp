@@ -25,11 +25,11 @@ features::Descriptor majority(const std::vector<features::Descriptor>& members) 
 std::size_t nearest(const std::vector<features::Descriptor>& centres,
                     const features::Descriptor& descriptor) {
     std::size_t best = 0;
-    int least = 257;
+    int min_distance = 257;
     for (std::size_t i = 0; i < centres.size(); ++i) {
         const int distance = features::hamming_distance(centres[i], descriptor);
-        if (distance >= least) continue;
-        least = distance;
+        if (distance >= min_distance) continue;
+        min_distance = distance;
         best = i;
     }
     return best;
@@ -54,14 +54,14 @@ Clusters cluster(const std::vector<features::Descriptor>& descriptors,
 
 }  // namespace
 
-Vocabulary Vocabulary::learn(const StoredKeypoints& views) {
+Vocabulary Vocabulary::learn(const StoredKeypoints& keypoints) {
     std::size_t num_descriptors = 0;
-    for (std::size_t k = 0; k < views.size(); ++k) num_descriptors += views[k].size();
+    for (std::size_t k = 0; k < keypoints.size(); ++k) num_descriptors += keypoints[k].size();
     const std::size_t stride = 1 + num_descriptors / kMaxSamples;
     std::vector<features::Descriptor> samples;
     std::size_t i = 0;
-    for (std::size_t k = 0; k < views.size(); ++k)
-        for (const features::DescribedKeypoint& point : views[k])
+    for (std::size_t k = 0; k < keypoints.size(); ++k)
+        for (const features::DescribedKeypoint& point : keypoints[k])
             if (i++ % stride == 0) samples.push_back(point.descriptor);
     Vocabulary vocabulary;
     vocabulary.nodes_.emplace_back();
@@ -93,12 +93,12 @@ void Vocabulary::grow(std::int32_t node,
 std::int32_t Vocabulary::nearest_child(const Node& node,
                                        const features::Descriptor& descriptor) const {
     std::int32_t best = node.children.front();
-    int least = 257;
+    int min_distance = 257;
     for (const std::int32_t child : node.children) {
         const int distance =
             features::hamming_distance(nodes_[static_cast<std::size_t>(child)].centre, descriptor);
-        if (distance >= least) continue;
-        least = distance;
+        if (distance >= min_distance) continue;
+        min_distance = distance;
         best = child;
     }
     return best;

@@ -13,7 +13,7 @@ namespace divemesh::loops {
 // descriptors give the same tree.
 class Vocabulary {
 public:
-    static Vocabulary learn(const StoredKeypoints& views);
+    static Vocabulary learn(const StoredKeypoints& keypoints);
 
     std::int32_t word_of(const features::Descriptor& descriptor) const;
     std::int32_t num_words() const { return num_words_; }

@@ -64,9 +64,9 @@ std::optional<Corners> settle(std::vector<CornerView>& views) {
         if (!corners) return std::nullopt;
         std::vector<double> errors_px;
         for (const CornerView& view : views) errors_px.push_back(view.rms_px(*corners));
-        const double most = std::max(kMinGate_px, kGate * stats::upper_median(errors_px));
+        const double max_px = std::max(kMinGate_px, kGate * stats::upper_median(errors_px));
         const auto num_out = std::erase_if(
-            views, [&](const CornerView& view) { return view.rms_px(*corners) > most; });
+            views, [&](const CornerView& view) { return view.rms_px(*corners) > max_px; });
         if (num_out == 0) return corners;
     }
     if (num_keyframes(views) < kMinMarkerKeyframes) return std::nullopt;

@@ -88,8 +88,8 @@ std::optional<Line> robust_line(std::vector<Eigen::Vector2d> points, std::size_t
         const Line line = line_through(points);
         std::vector<double> distances;
         for (const auto& point : points) distances.push_back(distance_px(line, point));
-        const double most = std::max(0.2, 3.0 * stats::upper_median(std::move(distances)));
-        std::erase_if(points, [&](const auto& point) { return distance_px(line, point) > most; });
+        const double max_px = std::max(0.2, 3.0 * stats::upper_median(std::move(distances)));
+        std::erase_if(points, [&](const auto& point) { return distance_px(line, point) > max_px; });
         if (points.size() < num_needed) return std::nullopt;
     }
     return line_through(points);

@@ -31,9 +31,9 @@ double msac_cost(const types::RectifiedRig& rig,
                  const Eigen::Isometry3d& T_current_previous,
                  double tolerance_px) {
     double sum = 0.0;
-    const double most = tolerance_px * tolerance_px;
+    const double max_squared_px = tolerance_px * tolerance_px;
     for (const PointPair& pair : pairs)
-        sum += std::min(most, squared_error_px(rig, pair, T_current_previous));
+        sum += std::min(max_squared_px, squared_error_px(rig, pair, T_current_previous));
     return sum;
 }
 

@@ -184,10 +184,10 @@ double max_sigma_rad(const types::RectifiedRig& rig,
     const NormalEquations equations =
         linearise(rig, pairs, motion.rotation, motion.T_current_previous);
     const Matrix6d information = scale.asDiagonal() * equations.H * scale.asDiagonal();
-    const double least =
+    const double min_information =
         Eigen::SelfAdjointEigenSolver<Matrix6d>(information, Eigen::EigenvaluesOnly)
             .eigenvalues()(0);
-    return least > 0.0 ? 1.0 / std::sqrt(least) : kUnknown_rad;
+    return min_information > 0.0 ? 1.0 / std::sqrt(min_information) : kUnknown_rad;
 }
 
 }  // namespace divemesh::odometry

@@ -55,14 +55,14 @@ Registration register_points(const types::RectifiedRig& rig,
     result.num_pairs = pairs.size();
     if (pairs.size() < kMinInliers) return result;
     std::mt19937_64 random(seed);
-    double least = 1e300;
+    double min_cost = 1e300;
     int tries = kMaxRansacIterations;
     for (int i = 0; i < tries; ++i) {
         const auto guess = align(sample_three(pairs, random));
         if (!guess) continue;
         const double guess_cost = msac_cost(rig, pairs, guess->T_b_a, tolerance_px);
-        if (guess_cost >= least) continue;
-        least = guess_cost;
+        if (guess_cost >= min_cost) continue;
+        min_cost = guess_cost;
         result.T_current_previous = guess->T_b_a;
         result.inliers = find_inliers(rig, pairs, guess->T_b_a, tolerance_px);
         tries = std::min(tries, i + 1 + num_iterations_needed(result.inliers.size(), pairs.size()));

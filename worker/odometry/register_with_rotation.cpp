@@ -36,7 +36,7 @@ Eigen::Isometry3d best_translation(const types::RectifiedRig& rig,
                                    std::uint64_t seed) {
     std::mt19937_64 random(seed);
     Eigen::Isometry3d best = expected;
-    double least = msac_cost(rig, pairs, best, tolerance_px);
+    double min_cost = msac_cost(rig, pairs, best, tolerance_px);
     int tries =
         num_iterations_needed(find_inliers(rig, pairs, best, tolerance_px).size(), pairs.size());
     for (int i = 0; i < tries; ++i) {
@@ -45,8 +45,8 @@ Eigen::Isometry3d best_translation(const types::RectifiedRig& rig,
         guess.linear() = R_current_previous;
         guess.translation() = pair.p_current - R_current_previous * pair.p_previous;
         const double cost = msac_cost(rig, pairs, guess, tolerance_px);
-        if (cost >= least) continue;
-        least = cost;
+        if (cost >= min_cost) continue;
+        min_cost = cost;
         best = guess;
         tries = num_iterations_needed(find_inliers(rig, pairs, best, tolerance_px).size(),
                                       pairs.size());

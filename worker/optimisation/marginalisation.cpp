@@ -77,8 +77,8 @@ struct SquareRoot {
 // Returns a symmetric H and b = J^T r in square-root form, with at most rank(H) rows.
 SquareRoot square_root(const Eigen::MatrixXd& H, const Eigen::VectorXd& b) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (H + H.transpose()));
-    const double least = kNoInformation * std::max(1e-300, eigen.eigenvalues().maxCoeff());
-    const Eigen::Index num = (eigen.eigenvalues().array() > least).count();
+    const double min_eigenvalue = kNoInformation * std::max(1e-300, eigen.eigenvalues().maxCoeff());
+    const Eigen::Index num = (eigen.eigenvalues().array() > min_eigenvalue).count();
     const auto vectors = eigen.eigenvectors().rightCols(num);
     const Eigen::VectorXd roots = eigen.eigenvalues().tail(num).cwiseSqrt();
     return {roots.asDiagonal() * vectors.transpose(),

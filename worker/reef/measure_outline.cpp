@@ -47,11 +47,12 @@ std::optional<std::string> refusal(const MetricKind& kind,
                                    const MeasureOptions& options) {
     if (task.is_whole_model && kind.metric == "volume")
         return "the whole model has no reference plane: give an area";
-    const double least = kind.is_extreme ? options.min_coverage_of_extremes : options.min_coverage;
-    if (!task.is_whole_model && coverage < least)
+    const double min_coverage =
+        kind.is_extreme ? options.min_coverage_of_extremes : options.min_coverage;
+    if (!task.is_whole_model && coverage < min_coverage)
         return std::to_string(std::lround(100.0 * coverage)) +
-               " % of the area was seen, less than " + std::to_string(std::lround(100.0 * least)) +
-               " %";
+               " % of the area was seen, less than " +
+               std::to_string(std::lround(100.0 * min_coverage)) + " %";
     return kind.resolution_m ? refused_at(*kind.resolution_m, sampling_resolution) : std::nullopt;
 }
 
@@ -64,10 +65,11 @@ std::optional<std::string> too_flat(const MetricKind& kind, const OutlineSurvey&
     if (ranges.empty()) return std::nullopt;
     const double mean =
         std::accumulate(ranges.begin(), ranges.end(), 0.0) / static_cast<double>(ranges.size());
-    const double least = 3.0 * survey.sampling_resolution.sigma_m.value_or(0.0);
-    if (mean > least) return std::nullopt;
+    const double min_difference_m = 3.0 * survey.sampling_resolution.sigma_m.value_or(0.0);
+    if (mean > min_difference_m) return std::nullopt;
     return "too flat: heights within " + length_text(*kind.resolution_m) + " differ by " +
-           length_text(mean) + ", not more than 3 sigma of the surface, " + length_text(least);
+           length_text(mean) + ", not more than 3 sigma of the surface, " +
+           length_text(min_difference_m);
 }
 
 stats::SharedError shared_error(const MetricKind& kind,

@@ -60,11 +60,11 @@ SamplingResolution sampling_resolution_of_all(const std::vector<TransectSegment>
 
 void limit_to_noise_level(const std::vector<TransectSegment>& segments,
                           std::vector<SurfacePatch>& patches,
-                          double most,
+                          double max_share,
                           SamplingResolution& sampling_resolution) {
     NoiseLevel noise(sampling_resolution.correlation_length_m);
     for (std::size_t i = 0; i < segments.size(); ++i) noise.add(patches[i], segments[i].shape);
-    const double share = std::min(most, noise.share());
+    const double share = std::min(max_share, noise.share());
     if (sampling_resolution.sigma_local_m) *sampling_resolution.sigma_local_m *= share;
     for (SurfacePatch& patch : patches)
         for (double& sigma : patch.sigma_local_m) sigma *= share;

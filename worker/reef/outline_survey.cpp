@@ -83,11 +83,11 @@ CutOutline cut_outline(const types::Mesh& mesh,
     return cut;
 }
 
-double limit_to_noise_level(OutlineSurvey& survey, double most) {
+double limit_to_noise_level(OutlineSurvey& survey, double max_share) {
     SurfacePatch& patch = survey.patch[0];
     NoiseLevel noise(survey.sampling_resolution.correlation_length_m);
     noise.add(patch, survey.shape);
-    const double share = std::min(most, noise.share());
+    const double share = std::min(max_share, noise.share());
     for (double& sigma : patch.sigma_local_m) sigma *= share;
     survey.sampling_resolution.sigma_local_m = typical_sigma_m(patch.sigma_local_m);
     return share;

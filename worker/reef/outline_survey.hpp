@@ -38,9 +38,9 @@ CutOutline cut_outline(const types::Mesh& mesh,
                        const AreaPlane& plane,
                        const MeasureOptions& options);
 
-// Lowers the vertices' local sigma to what the surface shows of it, at most `most` of the stated
-// one. Returns the share that was kept.
-double limit_to_noise_level(OutlineSurvey& survey, double most);
+// Lowers the vertices' local sigma to what the surface shows of it, at most `max_share` of the
+// stated one. Returns the share that was kept.
+double limit_to_noise_level(OutlineSurvey& survey, double max_share);
 
 // Numbers of nodes of an outline's grid.
 struct SeenNodes {

@@ -53,11 +53,12 @@ types::DisparityRange widen(const types::DisparityRange& range,
     if (surveyed.empty()) return range;
     int first = range.first_px;
     int end = range.first_px + range.num_px;
-    const float least = surveyed[few];
-    const float largest = surveyed[surveyed.size() - 1 - few];
-    if (beyond(least, range) < 0) first = std::max(0, static_cast<int>(least) - kError_px);
-    if (beyond(largest, range) > 0)
-        end = std::min(num_disparities_px, static_cast<int>(largest) + kError_px);
+    const float low_disparity = surveyed[few];
+    const float high_disparity = surveyed[surveyed.size() - 1 - few];
+    if (beyond(low_disparity, range) < 0)
+        first = std::max(0, static_cast<int>(low_disparity) - kError_px);
+    if (beyond(high_disparity, range) > 0)
+        end = std::min(num_disparities_px, static_cast<int>(high_disparity) + kError_px);
     end = std::max(end, range.first_px + range.num_px);
     const int num = (end - first + kStep_px - 1) / kStep_px * kStep_px;
     if (num >= num_disparities_px) return {0, num_disparities_px};

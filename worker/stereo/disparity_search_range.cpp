@@ -17,18 +17,18 @@ constexpr double kMatcherError_px = 2.0;  // winners at the ends of the range ar
 types::DisparityRange disparity_search_range(const types::Features& features,
                                              int num_disparities_px) {
     const types::DisparityRange whole{0, num_disparities_px};
-    double least = num_disparities_px;
+    double min_disparity = num_disparities_px;
     double largest = 0.0;
     int num_features = 0;
     for (const types::Feature& feature : features) {
         if (!types::has_depth(feature)) continue;
-        least = std::min(least, feature.disparity_px);
+        min_disparity = std::min(min_disparity, feature.disparity_px);
         largest = std::max(largest, feature.disparity_px);
         ++num_features;
     }
     if (num_features < kMinFeatures) return whole;
     const int first =
-        std::max(0, static_cast<int>(std::floor(kFarther * least - kMatcherError_px)));
+        std::max(0, static_cast<int>(std::floor(kFarther * min_disparity - kMatcherError_px)));
     const int end = static_cast<int>(std::ceil(kNearer * largest + kMatcherError_px)) + 1;
     const int num = (end - first + kStep_px - 1) / kStep_px * kStep_px;
     if (num >= num_disparities_px) return whole;

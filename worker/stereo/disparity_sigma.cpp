@@ -32,8 +32,8 @@ DIVEMESH_INLINE_BODY void rate_texture(const float* __restrict gradient,
     for (int x = kWindow_px / 2; x < num - kWindow_px / 2; ++x) {
         const float texture = energy[x] - gradient[x] * gradient[x] / kNum - noise.energy;
         const float known = noise.scale / std::sqrt(std::max(texture, 1.0F));
-        const float least = known > kFloor_px ? known : kFloor_px;
-        sigma[x] = texture > 0.5F * noise.energy ? least : std::numeric_limits<float>::infinity();
+        const float floored = known > kFloor_px ? known : kFloor_px;
+        sigma[x] = texture > 0.5F * noise.energy ? floored : std::numeric_limits<float>::infinity();
     }
 }
 

@@ -53,9 +53,10 @@ DIVEMESH_INLINE_BODY Fit fit_step(const base::Floats (&sums)[kNumTerms], float m
     const base::Floats known = base::max(information, base::broadcast(1.0F));
     const base::Floats step = -slope / known;
     const base::Floats chance = base::square_root(2.0F * kCorrelatedNoise * inverse);
-    const base::Floats least =
+    const base::Floats min_information =
         noise_energy * base::max(base::broadcast(kMinTexture), kMinSignificance * chance);
-    const base::Masks good = (n >= min_num_pixels) & (all > 0.05F * c_gg) & (information > least);
+    const base::Masks good =
+        (n >= min_num_pixels) & (all > 0.05F * c_gg) & (information > min_information);
     const base::Floats sigma = base::square_root(kCorrelatedNoise * noise / known);
     return {base::select(good & (base::abs(step) < kMaxStep_px), step),
             base::select(good, base::max(sigma, base::broadcast(1e-3F)))};

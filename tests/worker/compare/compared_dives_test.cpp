@@ -107,9 +107,9 @@ TEST_F(ComparedDives, MarkersTellWhereTheLaterYearLies) {
     ASSERT_EQ(coarse_alignments.size(), 1U);
     EXPECT_GE(coarse_alignments[0].score, 3.0);
     const Eigen::Isometry3d T_true = T_scene_world("first").inverse() * T_scene_world("second");
-    const auto expect_near_truth = [&](const Eigen::Isometry3d& T_a_b, double most_m) {
+    const auto expect_near_truth = [&](const Eigen::Isometry3d& T_a_b, double max_m) {
         for (const MarkerPosition& marker : markers("second"))
-            EXPECT_LT((T_a_b * marker.p_world - T_true * marker.p_world).norm(), most_m)
+            EXPECT_LT((T_a_b * marker.p_world - T_true * marker.p_world).norm(), max_m)
                 << marker.id;
     };
     expect_near_truth(coarse_alignments[0].T_a_b, 0.02);

@@ -45,15 +45,18 @@ Leaves leaves_of(const Owned& owned, std::size_t owner) {
 }
 
 // Adds leaves at random to bricks in turn, until each brick has its number of leaves.
-void fill(
-    Owned& owned, std::size_t num_bricks, int least, int most, std::vector<Leaves>& expected) {
+void fill(Owned& owned,
+          std::size_t num_bricks,
+          int min_leaves,
+          int max_leaves,
+          std::vector<Leaves>& expected) {
     std::mt19937 random(7);
     std::vector<std::size_t> growing;
     std::vector<std::size_t> wanted;
     for (std::size_t i = 0; i < num_bricks; ++i) {
         owned.make();
         growing.push_back(i);
-        wanted.push_back(least + random() % (most - least + 1));
+        wanted.push_back(min_leaves + random() % (max_leaves - min_leaves + 1));
     }
     expected.resize(num_bricks);
     while (!growing.empty()) {
@@ -101,14 +104,18 @@ TEST(BrickStore, ANewLeafIsEmptyAlsoWhereAnotherWas) {
 }
 
 TEST(BrickStore, RecordsFitBricksOfTenLeavesOrMoreInWhateverOrderTheyGrow) {
-    for (const int most : {16, 25, 60, 120, 250}) {
+    for (const int max_leaves : {16, 25, 60, 120, 250}) {
         Owned owned;
         std::vector<Leaves> expected;
-        fill(owned, static_cast<std::size_t>(600'000 / most), most / 2, most, expected);
-        RecordProperty("bytes_per_leaf_" + std::to_string(most),
+        fill(owned,
+             static_cast<std::size_t>(600'000 / max_leaves),
+             max_leaves / 2,
+             max_leaves,
+             expected);
+        RecordProperty("bytes_per_leaf_" + std::to_string(max_leaves),
                        std::to_string(owned.bytes_per_leaf()));
         // 20 bytes for leaf, place and half a handle, then half an unused leaf and a header.
-        EXPECT_LT(owned.bytes_per_leaf(), 24.0) << most;
+        EXPECT_LT(owned.bytes_per_leaf(), 24.0) << max_leaves;
     }
 }
 

@@ -16,11 +16,11 @@ namespace {
 
 double slanted(double x, double y) { return 40.0 + 0.05 * x + 0.03 * y; }
 
-types::Features features_from(double least_px, double max_px, int num) {
+types::Features features_from(double min_px, double max_px, int num) {
     types::Features features;
     for (int i = 0; i < num; ++i)
         features.push_back(
-            {i, Eigen::Vector2d::Zero(), least_px + (max_px - least_px) * i / (num - 1)});
+            {i, Eigen::Vector2d::Zero(), min_px + (max_px - min_px) * i / (num - 1)});
     return features;
 }
 
