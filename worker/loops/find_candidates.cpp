@@ -24,9 +24,9 @@ struct Sight {
 
 Sight sight_of(const types::RectifiedRig& rig,
                const types::Keyframe& keyframe,
-               const features::DescribedKeypoints& view) {
+               const features::DescribedKeypoints& keypoints) {
     std::vector<float> disparities_px;
-    for (const features::DescribedKeypoint& point : view)
+    for (const features::DescribedKeypoint& point : keypoints)
         if (point.disparity_px > 0.0F) disparities_px.push_back(point.disparity_px);
     Sight sight;
     if (disparities_px.empty()) return sight;
@@ -41,11 +41,11 @@ class Gate {
 public:
     Gate(const types::RectifiedRig& rig,
          const std::vector<types::Keyframe>& keyframes,
-         const StoredKeypoints& views,
+         const StoredKeypoints& keypoints,
          const DriftModel& drift)
         : drift_(drift) {
         for (std::size_t k = 0; k < keyframes.size(); ++k)
-            sights_.push_back(sight_of(rig, keyframes[k], views[k]));
+            sights_.push_back(sight_of(rig, keyframes[k], keypoints[k]));
     }
 
     // Returns true if the two may show the same place.
@@ -70,11 +70,11 @@ private:
 
 std::vector<LoopCandidate> find_candidates(const types::RectifiedRig& rig,
                                            const std::vector<types::Keyframe>& keyframes,
-                                           const StoredKeypoints& views,
+                                           const StoredKeypoints& keypoints,
                                            const DriftModel& drift,
                                            const std::vector<bool>& wanted) {
-    const InvertedIndex index(views);
-    const Gate gate(rig, keyframes, views, drift);
+    const InvertedIndex index(keypoints);
+    const Gate gate(rig, keyframes, keypoints, drift);
     std::vector<LoopCandidate> candidates;
     for (std::size_t k = 0; k < keyframes.size(); ++k) {
         if (!wanted[k]) continue;

@@ -19,7 +19,7 @@ struct LoopCandidate {
 // connect to it already and that may show the same place, given the drift. Empty without keypoints.
 std::vector<LoopCandidate> find_candidates(const types::RectifiedRig& rig,
                                            const std::vector<types::Keyframe>& keyframes,
-                                           const StoredKeypoints& views,
+                                           const StoredKeypoints& keypoints,
                                            const DriftModel& drift,
                                            const std::vector<bool>& wanted);
 

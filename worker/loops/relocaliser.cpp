@@ -12,13 +12,13 @@ namespace {
 // Measures the disparities of keypoints by searching along the rows of the right image.
 void measure_disparities(const types::RectifiedFrame& frame,
                          int num_disparities_px,
-                         features::DescribedKeypoints& view) {
+                         features::DescribedKeypoints& keypoints) {
     types::Features corners;
-    for (const features::DescribedKeypoint& point : view)
+    for (const features::DescribedKeypoint& point : keypoints)
         corners.push_back({0, {point.u_px, point.v_px}, 0.0});
     features::match_sparse_stereo(frame, {}, num_disparities_px, corners);
-    for (std::size_t i = 0; i < view.size(); ++i)
-        view[i].disparity_px = static_cast<float>(corners[i].disparity_px);
+    for (std::size_t i = 0; i < keypoints.size(); ++i)
+        keypoints[i].disparity_px = static_cast<float>(corners[i].disparity_px);
 }
 
 void join(const types::Features& known, types::Features& features) {
@@ -43,8 +43,8 @@ void Relocaliser::relocalise(const types::RectifiedFrame& frame,
                              types::Features& features,
                              odometry::MotionModel& motion) {
     if (!used_) return;
-    view_ = features::describe_keypoints(frame.left);
-    measure_disparities(frame, num_disparities_px_, view_);
+    keypoints_ = features::describe_keypoints(frame.left);
+    measure_disparities(frame, num_disparities_px_, keypoints_);
     if (!std::exchange(lost_, false) || last_left_.empty()) return;
     const auto known = match_last_keyframe(frame, seed);
     if (!known) return;
@@ -57,18 +57,18 @@ std::optional<features::DescribedKeypoints> Relocaliser::keep(
     const types::Features& features,
     const Eigen::Isometry3d& T_world_cam) {
     if (!used_) return std::nullopt;
-    last_view_ = std::move(view_);
+    last_keypoints_ = std::move(keypoints_);
     last_left_ = frame.left;
     last_features_.clear();
     for (const types::Feature& feature : features)
         if (types::has_depth(feature)) last_features_.push_back(feature);
     T_world_last_ = T_world_cam;
-    return last_view_;
+    return last_keypoints_;
 }
 
 std::optional<Relocaliser::Known> Relocaliser::match_last_keyframe(
     const types::RectifiedFrame& frame, std::uint64_t seed) const {
-    const auto rough = register_keypoints(rig_, last_view_, view_, seed);
+    const auto rough = register_keypoints(rig_, last_keypoints_, keypoints_, seed);
     if (!rough) return std::nullopt;
     Known known;
     known.T_current_reference = *rough;

@@ -48,8 +48,8 @@ private:
     bool used_;
     int num_disparities_px_;
     bool lost_ = false;
-    features::DescribedKeypoints view_;       // of the frame about to become a keyframe
-    features::DescribedKeypoints last_view_;  // of the last keyframe, as are the members below
+    features::DescribedKeypoints keypoints_;       // of the frame about to become a keyframe
+    features::DescribedKeypoints last_keypoints_;  // of the last keyframe, as are the members below
     cv::Mat last_left_;
     types::Features last_features_;
     Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();
