@@ -105,9 +105,9 @@ asio::awaitable<bool> tell(std::shared_ptr<EventSocket> events,
 }
 
 // Sends the due frames of the sensors.
-asio::awaitable<bool> tell_sensors(std::shared_ptr<EventSocket> events,
-                                   SensorFeed* sensors,
-                                   api::Metrics* metrics) {
+asio::awaitable<bool> send_sensor_frames(std::shared_ptr<EventSocket> events,
+                                         SensorFeed* sensors,
+                                         api::Metrics* metrics) {
     while (auto frame = sensors->next(Clock::now())) {
         const auto [error, n] =
             co_await events->socket.async_write(asio::buffer(*frame), kAwaitErrors);
@@ -144,7 +144,7 @@ asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket>
             trusted_until = Clock::now() + kTokenTrusted;
         }
         const bool sent_sensors =
-            co_await tell_sensors(events, &sensors, &context.services.metrics);
+            co_await send_sensor_frames(events, &sensors, &context.services.metrics);
         if (!sent_sensors) break;
         if (newest <= feed.since) continue;
         auto page = context.events.recent(feed.since, feed.project);

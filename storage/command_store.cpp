@@ -74,14 +74,16 @@ void require_room(soci::session& session, const SensorRecord& sensor) {
                         std::to_string(num_open) + " commands: wait until it has");
 }
 
-void tell_state(soci::session& session, const Sensor& sensor, const SensorCommand& command) {
-    tell_of_sensor(session,
-                   sensor,
-                   "sensor.command",
-                   {{"command", command.id},
-                    {"name", command.name},
-                    {"state", to_string(command.state)},
-                    {"detail", command.detail}});
+void append_command_event(soci::session& session,
+                          const Sensor& sensor,
+                          const SensorCommand& command) {
+    append_sensor_event(session,
+                        sensor,
+                        "sensor.command",
+                        {{"command", command.id},
+                         {"name", command.name},
+                         {"state", to_string(command.state)},
+                         {"detail", command.detail}});
 }
 
 void save_state(soci::session& session, const SensorCommand& command) {
@@ -151,7 +153,7 @@ SensorCommand CommandStore::create(const CommandRequest& request) {
         command.created_at_ms = Catalog::now_ms(session);
         command.expires_at_ms = command.created_at_ms + request.life_ms;
         insert(session, sensor, command);
-        tell_state(session, sensor.sensor, command);
+        append_command_event(session, sensor.sensor, command);
     });
     return command;
 }
@@ -204,7 +206,7 @@ std::vector<SensorCommand> CommandStore::take(const std::string& sensor, bool ag
             command.state = CommandState::Sent;
             command.sent_at_ms = now_ms;
             save_state(session, command);
-            tell_state(session, record.sensor, command);
+            append_command_event(session, record.sensor, command);
         }
     });
     return commands;
@@ -225,7 +227,7 @@ void end_command(soci::session& session,
     command->detail = outcome.value("detail", "");
     command->ended_at_ms = now_ms;
     save_state(session, *command);
-    tell_state(session, sensor.sensor, *command);
+    append_command_event(session, sensor.sensor, *command);
 }
 
 bool has_late_commands(soci::session& session, std::int64_t now_ms) {
@@ -247,7 +249,7 @@ void end_late_commands(soci::session& session, std::int64_t now_ms) {
         command.state = CommandState::Expired;
         command.ended_at_ms = now_ms;
         save_state(session, command);
-        tell_state(session, known_sensor(session, command.sensor).sensor, command);
+        append_command_event(session, known_sensor(session, command.sensor).sensor, command);
     }
 }
 

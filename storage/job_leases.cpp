@@ -148,9 +148,9 @@ void write_requirements(soci::session& session,
             soci::use(job.id, "id"));
 }
 
-void tell_of_regressions(soci::session& session,
-                         const Job& job,
-                         const std::vector<Regression>& regressions) {
+void append_regression_event(soci::session& session,
+                             const Job& job,
+                             const std::vector<Regression>& regressions) {
     EventStore::append(session,
                        {.project = job.project,
                         .topic = "job",
@@ -281,7 +281,8 @@ bool JobStore::succeed(const Lease& lease,
         write_requirements(session, job, measured.requirements);
         learn_speed(session, job);
         end_attempt(session, job, {});
-        if (!measured.regressions.empty()) tell_of_regressions(session, job, measured.regressions);
+        if (!measured.regressions.empty())
+            append_regression_event(session, job, measured.regressions);
     });
 }
 

@@ -6,10 +6,10 @@
 
 namespace divemesh::storage {
 
-void tell_of_sensor(soci::session& session,
-                    const Sensor& sensor,
-                    const std::string& type,
-                    nlohmann::json data) {
+void append_sensor_event(soci::session& session,
+                         const Sensor& sensor,
+                         const std::string& type,
+                         nlohmann::json data) {
     data["sensor"] = sensor.id;
     EventStore::append(session,
                        {.project = sensor.project,

@@ -9,9 +9,9 @@
 namespace divemesh::storage {
 
 // Appends an event of the sensor, inside the transaction of the change.
-void tell_of_sensor(soci::session& session,
-                    const Sensor& sensor,
-                    const std::string& type,
-                    nlohmann::json data);
+void append_sensor_event(soci::session& session,
+                         const Sensor& sensor,
+                         const std::string& type,
+                         nlohmann::json data);
 
 }  // namespace divemesh::storage

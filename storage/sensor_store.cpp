@@ -25,10 +25,13 @@ constexpr std::int64_t kMaxBoots = 1000;  // per sensor; with more the oldest is
 constexpr std::size_t kMaxCameras = 8;    // shown ones
 constexpr int kForgottenAtOnce = 20'000;
 
-void tell_alarm(soci::session& session, const Sensor& sensor, const Alarm& alarm, bool raised) {
+void append_alarm_event(soci::session& session,
+                        const Sensor& sensor,
+                        const Alarm& alarm,
+                        bool raised) {
     json data = alarm;
     data["raised"] = raised;
-    tell_of_sensor(session, sensor, "sensor.alarm", std::move(data));
+    append_sensor_event(session, sensor, "sensor.alarm", std::move(data));
 }
 
 const Alarm* find_alarm(const std::vector<Alarm>& alarms, const std::string& name) {
@@ -42,10 +45,11 @@ void set_alarms(soci::session& session, Sensor& sensor, std::vector<Alarm> alarm
     for (const Alarm& alarm : alarms) {
         const Alarm* before = find_alarm(sensor.alarms, alarm.name);
         if (before == nullptr || before->level != alarm.level)
-            tell_alarm(session, sensor, alarm, true);
+            append_alarm_event(session, sensor, alarm, true);
     }
     for (const Alarm& alarm : sensor.alarms)
-        if (find_alarm(alarms, alarm.name) == nullptr) tell_alarm(session, sensor, alarm, false);
+        if (find_alarm(alarms, alarm.name) == nullptr)
+            append_alarm_event(session, sensor, alarm, false);
     sensor.alarms = std::move(alarms);
 }
 
@@ -55,10 +59,10 @@ bool is_ours(const Alarm& alarm) { return alarm.name == "overdue" || alarm.name 
 void set_state(soci::session& session, Sensor& sensor, SensorState state) {
     if (sensor.state == state) return;
     sensor.state = state;
-    tell_of_sensor(session,
-                   sensor,
-                   "sensor.state",
-                   {{"state", to_string(state)}, {"back_at_ms", sensor.back_at_ms}});
+    append_sensor_event(session,
+                        sensor,
+                        "sensor.state",
+                        {{"state", to_string(state)}, {"back_at_ms", sensor.back_at_ms}});
 }
 
 class Receiver {
@@ -284,7 +288,7 @@ bool is_reportable(const SensorRecord& record, std::int64_t now_ms) {
            (has_twin && now_ms - record.twin_at_ms >= kTwinForgotten_ms);
 }
 
-Sensor tell_the_time(soci::session& session, SensorRecord record, std::int64_t now_ms) {
+Sensor update_by_time(soci::session& session, SensorRecord record, std::int64_t now_ms) {
     Sensor& sensor = record.sensor;
     const SensorState state = as_of(sensor, now_ms).state;
     std::vector<Alarm> alarms = sensor.alarms;
@@ -365,7 +369,7 @@ std::vector<Sensor> SensorStore::look_at_the_time() {
         changed.clear();
         const std::int64_t now_ms = Catalog::now_ms(session);
         for (SensorRecord& record : find(session, now_ms))
-            changed.push_back(tell_the_time(session, std::move(record), now_ms));
+            changed.push_back(update_by_time(session, std::move(record), now_ms));
         end_late_commands(session, now_ms);
     });
     return changed;

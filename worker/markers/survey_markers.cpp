@@ -55,11 +55,11 @@ public:
     }
 
     void write() {
-        tell_too_few();
-        tell_rejected();
-        tell_unmeasured();
-        tell_inconsistent();
-        tell_scale();
+        find_too_few();
+        find_rejected();
+        find_unmeasured();
+        find_inconsistent();
+        find_scale_error();
     }
 
 private:
@@ -75,7 +75,7 @@ private:
 
     // Reports tags with too few keyframes. A tag that the plan does not name and that was read only
     // once is probably not a tag, so it is not reported.
-    void tell_too_few() {
+    void find_too_few() {
         std::set<int> ids;
         for (const auto& [id, keyframes] : keyframes_of_)
             if (keyframes.size() > 1) ids.insert(id);
@@ -94,7 +94,7 @@ private:
         }
     }
 
-    void tell_rejected() {
+    void find_rejected() {
         for (const Marker& marker : metrics_.markers)
             if (2 * marker.num_rejected_views > marker.num_views)
                 warn("marker_in_two_places",
@@ -105,7 +105,7 @@ private:
                      "check that no tag was moved and that each id is used only once");
     }
 
-    void tell_unmeasured() {
+    void find_unmeasured() {
         for (const BarMetrics& bar : metrics_.bars)
             if (!bar.measured_m && is_located(bar.from.id) && is_located(bar.to.id))
                 warn("scale_bar_in_two_pieces",
@@ -119,7 +119,7 @@ private:
                      "see the findings on its tags");
     }
 
-    void tell_inconsistent() {
+    void find_inconsistent() {
         for (const BarMetrics& bar : metrics_.bars) {
             if (bar.leave_one_out_sigmas() <= 3.0) continue;
             warn("scale_bar_inconsistent",
@@ -132,7 +132,7 @@ private:
         }
     }
 
-    void tell_scale() {
+    void find_scale_error() {
         if (!metrics_.scale) return;
         const double error = 1.0 / metrics_.scale->factor - 1.0;
         const double sigma = std::hypot(metrics_.scale->sigma, metrics_.systematic_scale_sigma);
