@@ -47,7 +47,7 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::delete_, "/api/v1/dives/{dive_id}/truth/{truth_id}", "dives:write", delete_truth},
     {File,       verb::get,     "/api/v1/dives/{dive_id}/truth/{truth_id}/content", "dives:read", get_truth_content},
 
-    {Plain,      verb::get,     "/api/v1/metrics",                "dives:read",  get_figure_series},
+    {Plain,      verb::get,     "/api/v1/metrics",                "dives:read",  get_metric_series},
     {Plain,      verb::get,     "/api/v1/schedules",              "dives:read",  list_schedules},
     {Plain,      verb::post,    "/api/v1/schedules",              "jobs:write",  create_schedule},
     {Plain,      verb::get,     "/api/v1/schedules/{schedule_id}", "dives:read", get_schedule},

@@ -34,7 +34,7 @@ struct Series {
 
 }  // namespace
 
-Awaitable<Response> get_figure_series(Request request, Services services) {
+Awaitable<Response> get_metric_series(Request request, Services services) {
     auto work =
         [&catalog = services.catalog, filter = filter_of(request), page = page_request(request)] {
             storage::MetricStore store(catalog);

@@ -6,6 +6,6 @@
 namespace divemesh::api {
 
 // Returns one metric over dives and time.
-Awaitable<Response> get_figure_series(Request request, Services services);
+Awaitable<Response> get_metric_series(Request request, Services services);
 
 }  // namespace divemesh::api
