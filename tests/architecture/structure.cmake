@@ -4,6 +4,7 @@
 # a room's floor is one above the highest that it includes. Fails on a circle, and beyond the limits.
 cmake_minimum_required(VERSION 3.25)
 include(${CMAKE_CURRENT_LIST_DIR}/layers.cmake)
+get_filename_component(SOURCE_DIRECTORY "${SOURCE_DIRECTORY}" ABSOLUTE)  # file(GLOB) wants it
 set(most_rooms 40)
 set(most_floors 13)
 set(most_arrows 170)
