@@ -16,7 +16,7 @@ constexpr int kMaxRansacIterations = 600;
 constexpr double kConfidence = 0.999;
 constexpr double kTolerance_px = 3.0;
 constexpr std::size_t kMinInliers = 15;
-constexpr std::size_t kMinInliersWithRotation = 10;
+constexpr std::size_t kMinInliersWithPrior = 10;
 constexpr double kMaxSigma_rad = 0.02;  // ten pixels: worse than a prediction
 constexpr double kRotationSlack_rad = 0.02;
 constexpr double kNumSigmas = 3.5;
@@ -71,27 +71,36 @@ bool fits(const std::optional<types::KnownRotation>& rotation, const Eigen::Isom
                            kRotationSlack_rad + kNumSigmas * rotation->sigma_rad;
 }
 
-}  // namespace
-
-std::optional<Eigen::Isometry3d> register_wide_baseline(
-    const types::RectifiedRig& rig,
-    const SiftKeypoints& a,
-    const SiftKeypoints& b,
-    const std::optional<types::KnownRotation>& rotation,
-    std::uint64_t seed) {
-    const odometry::PointPairs pairs = match_sift(rig, a, b);
-    if (pairs.size() < kMinInliersWithRotation) return std::nullopt;
-    Eigen::Isometry3d T_b_a = best_motion(rig, pairs, seed);
+// Refines a motion over its inliers. Returns nullopt if they are fewer than `min_inliers`, all in a
+// corner, or do not determine the motion.
+std::optional<Eigen::Isometry3d> confirmed(const types::RectifiedRig& rig,
+                                           const odometry::PointPairs& pairs,
+                                           Eigen::Isometry3d T_b_a,
+                                           const MotionPrior& prior) {
     odometry::PointPairs inliers = odometry::find_inliers(rig, pairs, T_b_a, kTolerance_px);
-    for (int i = 0; i < 2 && inliers.size() >= kMinInliersWithRotation; ++i) {
+    for (int i = 0; i < 2 && inliers.size() >= kMinInliersWithPrior; ++i) {
         T_b_a = odometry::refine_pose(rig, inliers, {T_b_a, std::nullopt, 0.0}).T_current_previous;
         inliers = odometry::find_inliers(rig, pairs, T_b_a, kTolerance_px);
     }
-    const std::size_t wanted = fits(rotation, T_b_a) ? kMinInliersWithRotation : kMinInliers;
+    const std::size_t wanted = fits(prior.rotation, T_b_a) ? kMinInliersWithPrior : kMinInliers;
     if (inliers.size() < wanted || odometry::num_cells(rig, inliers) < kMinCells ||
         odometry::max_sigma_rad(rig, inliers, {T_b_a, std::nullopt, 0.0}) > kMaxSigma_rad)
         return std::nullopt;
     return T_b_a;
+}
+
+}  // namespace
+
+std::optional<Eigen::Isometry3d> register_wide_baseline(const types::RectifiedRig& rig,
+                                                        const SiftKeypoints& a,
+                                                        const SiftKeypoints& b,
+                                                        const MotionPrior& prior,
+                                                        std::uint64_t seed) {
+    const odometry::PointPairs pairs = match_sift(rig, a, b);
+    if (pairs.size() < kMinInliersWithPrior) return std::nullopt;
+    if (prior.T_b_a)
+        if (const auto predicted = confirmed(rig, pairs, *prior.T_b_a, prior)) return predicted;
+    return confirmed(rig, pairs, best_motion(rig, pairs, seed), prior);
 }
 
 }  // namespace divemesh::loops

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "worker/features/match_sparse_stereo.hpp"
-#include "worker/loops/register_wide_baseline.hpp"
 #include "worker/loops/search_by_projection.hpp"
 
 namespace divemesh::loops {
@@ -46,12 +45,10 @@ Relocaliser::Relocaliser(const types::RectifiedRig& rig, bool close_loops, int n
     : rig_(rig), close_loops_(close_loops), num_disparities_px_(num_disparities_px) {}
 
 std::optional<Eigen::Isometry3d> Relocaliser::register_to_previous(
-    const types::RectifiedFrame& frame,
-    const std::optional<types::KnownRotation>& rotation,
-    std::uint64_t seed) {
+    const types::RectifiedFrame& frame, const MotionPrior& prior, std::uint64_t seed) {
     if (!previous_) return std::nullopt;
     return register_wide_baseline(
-        rig_, described(*previous_), described(current(frame)), rotation, seed);
+        rig_, described(*previous_), described(current(frame)), prior, seed);
 }
 
 std::optional<Relocaliser::Recognised> Relocaliser::recognise(const types::RectifiedFrame& frame,
@@ -64,8 +61,8 @@ std::optional<Relocaliser::Recognised> Relocaliser::recognise(const types::Recti
 std::optional<Relocaliser::Recognised> Relocaliser::recognise_by(KeptKeyframe& keyframe,
                                                                  const types::RectifiedFrame& frame,
                                                                  std::uint64_t seed) {
-    const auto rough = register_wide_baseline(
-        rig_, described(keyframe.view), described(current(frame)), std::nullopt, seed);
+    const auto rough =
+        register_wide_baseline(rig_, described(keyframe.view), described(current(frame)), {}, seed);
     if (!rough) return std::nullopt;
     std::vector<KnownPoint> points;
     for (const types::Feature& feature : keyframe.features)

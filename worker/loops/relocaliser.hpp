@@ -7,11 +7,11 @@
 #include <optional>
 
 #include "worker/features/described_keypoints.hpp"
+#include "worker/loops/register_wide_baseline.hpp"
 #include "worker/loops/sift_keypoints.hpp"
 #include "worker/odometry/motion_model.hpp"
 #include "worker/types/feature.hpp"
 #include "worker/types/keyframe.hpp"
-#include "worker/types/known_rotation.hpp"
 #include "worker/types/rectified_rig.hpp"
 
 namespace divemesh::loops {
@@ -24,11 +24,10 @@ public:
     Relocaliser(const types::RectifiedRig& rig, bool close_loops, int num_disparities_px);
 
     // Returns T_current_previous, accurate to some pixels; nullopt: the images do not overlap
-    // enough. `rotation` is R_current_previous by the inertial sensors.
-    std::optional<Eigen::Isometry3d> register_to_previous(
-        const types::RectifiedFrame& frame,
-        const std::optional<types::KnownRotation>& rotation,
-        std::uint64_t seed);
+    // enough. `prior` is of T_current_previous.
+    std::optional<Eigen::Isometry3d> register_to_previous(const types::RectifiedFrame& frame,
+                                                          const MotionPrior& prior,
+                                                          std::uint64_t seed);
 
     // A frame recognised by a keyframe that it overlaps.
     struct Recognised {

@@ -50,7 +50,8 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
                 tracker_.track(frame.left, moving_.with_dynamic(features_), expected),  // 2
                 rotation,
                 expected);
-    if (!map_.empty() && !odometry::well_supported(rig_, seen.vision, num_with_depth(features_)))
+    if (!map_.empty() &&
+        !odometry::well_supported(rig_, seen.vision, num_with_depth(features_), expected))
         seen = recover(frame, rotation, expected, std::move(seen));
     const odometry::Registration& vision = seen.vision;
     const auto guess = odometry::predict_orientation(rotation, vision);  // 5
@@ -116,7 +117,7 @@ WindowTracker::Observed WindowTracker::recover(const types::RectifiedFrame& fram
         return a.vision.found &&
                (!b.vision.found || a.vision.inliers.size() > b.vision.inliers.size());
     };
-    if (auto followed = follow_wide(frame, rotation))
+    if (auto followed = follow_wide(frame, {expected, rotation}))
         if (better(*followed, predicted)) return std::move(*followed);
     if (!predicted.vision.found)
         if (auto recognised = recognise(frame, rotation, expected)) return std::move(*recognised);
@@ -124,12 +125,12 @@ WindowTracker::Observed WindowTracker::recover(const types::RectifiedFrame& fram
 }
 
 std::optional<WindowTracker::Observed> WindowTracker::follow_wide(
-    const types::RectifiedFrame& frame, const std::optional<types::KnownRotation>& rotation) {
+    const types::RectifiedFrame& frame, const loops::MotionPrior& prior) {
     const auto rough =
-        memory_.register_to_previous(frame, rotation, odometry::seed_of(options_.seed, frame));
+        memory_.register_to_previous(frame, prior, odometry::seed_of(options_.seed, frame));
     if (!rough) return std::nullopt;
     moving_.forget();
-    Observed seen = observe(frame, tracker_.track_again(features_, *rough), rotation, *rough);
+    Observed seen = observe(frame, tracker_.track_again(features_, *rough), prior.rotation, *rough);
     seen.predicted = false;
     return seen;
 }

@@ -48,7 +48,7 @@ private:
                      const Eigen::Isometry3d& expected,
                      Observed predicted);
     std::optional<Observed> follow_wide(const types::RectifiedFrame& frame,
-                                        const std::optional<types::KnownRotation>& rotation);
+                                        const loops::MotionPrior& prior);
     std::optional<Observed> recognise(const types::RectifiedFrame& frame,
                                       const std::optional<types::KnownRotation>& rotation,
                                       const Eigen::Isometry3d& expected);

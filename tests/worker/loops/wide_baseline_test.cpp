@@ -33,15 +33,14 @@ Eigen::Isometry3d wide_step() {
     return T;
 }
 
-std::optional<Eigen::Isometry3d> registered(
-    const Eigen::Isometry3d& T_world_to,
-    const std::optional<types::KnownRotation>& rotation = std::nullopt,
-    const SeaFloor& floor = SeaFloor()) {
+std::optional<Eigen::Isometry3d> registered(const Eigen::Isometry3d& T_world_to,
+                                            const MotionPrior& prior = {},
+                                            const SeaFloor& floor = SeaFloor()) {
     return register_wide_baseline(
         synthetic::small_rig(),
         sift_keypoints(frame_at(Eigen::Isometry3d::Identity(), 0, floor), kNumDisparities_px),
         sift_keypoints(frame_at(T_world_to, 1, floor), kNumDisparities_px),
-        rotation,
+        prior,
         kSeed);
 }
 
@@ -54,7 +53,7 @@ TEST(WideBaselineTest, RegistersTurnedFramesThatShareHalfOfTheImage) {
 TEST(WideBaselineTest, AWrongRotationOfTheSensorsChangesNothing) {
     const types::KnownRotation wrong{
         Eigen::Quaterniond(Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitX())), 1e-3};
-    const auto T_b_a = registered(wide_step(), wrong);
+    const auto T_b_a = registered(wide_step(), {std::nullopt, wrong});
     ASSERT_TRUE(T_b_a);
     EXPECT_THAT(*T_b_a, synthetic::IsPoseWithin(*registered(wide_step()), 1e-9, 1e-12));
 }
@@ -69,7 +68,7 @@ TEST(WideBaselineTest, AFloorThatRepeatsIsNotTakenForAnotherOfItsPeriods) {
     const SeaFloor repeating(0.6);
     Eigen::Isometry3d beside = Eigen::Isometry3d::Identity();
     beside.translation() << 0.9, 0.0, 0.0;
-    const auto T_b_a = registered(beside, std::nullopt, repeating);
+    const auto T_b_a = registered(beside, {}, repeating);
     EXPECT_TRUE(!T_b_a || (*T_b_a * beside).translation().norm() < 0.02);
 }
 
