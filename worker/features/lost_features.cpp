@@ -16,6 +16,10 @@ void LostFeatures::lose(const types::Feature& feature, const ReferencePatch& loo
     lost_.push_back({feature.id, types::point_cam(rig_, feature), 0, look});
 }
 
+void LostFeatures::forget_newest() {
+    std::erase_if(lost_, [](const Lost& lost) { return lost.num_frames == 0; });
+}
+
 std::vector<LostFeatures::Found> LostFeatures::find(const cv::Mat& image,
                                                     const Eigen::Isometry3d& T_current_previous) {
     std::vector<Found> found;

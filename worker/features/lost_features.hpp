@@ -23,6 +23,8 @@ public:
 
     // Adds a lost feature, as the previous frame had it, with depth; `look` is its reference patch.
     void lose(const types::Feature& feature, const ReferencePatch& look);
+    // Forgets the features lost since the last call of find().
+    void forget_newest();
     // Returns the features found again in the current image, by id, once its motion is known.
     std::vector<Found> find(const cv::Mat& image, const Eigen::Isometry3d& T_current_previous);
 

@@ -38,12 +38,18 @@ ReferencePatch::ReferencePatch(const types::RectifiedRig& rig,
         plane_reference_ = normal / distance;
 }
 
+std::optional<Eigen::Matrix2d> ReferencePatch::warp(
+    const types::RectifiedRig& rig, const Eigen::Isometry3d& T_current_previous) const {
+    if (!p_reference_) return std::nullopt;
+    return plane_warp(
+        rig, *p_reference_, plane_reference_, T_current_previous * T_current_reference_);
+}
+
 std::optional<Patch> ReferencePatch::warp_to_current(
     const types::RectifiedRig& rig, const Eigen::Isometry3d& T_current_previous) const {
     if (!p_reference_) return Patch::read(surroundings_, centre_px_);
-    const auto warp =
-        plane_warp(rig, *p_reference_, plane_reference_, T_current_previous * T_current_reference_);
-    return warp ? Patch::read(surroundings_, centre_px_, *warp) : std::nullopt;
+    const auto to_reference = warp(rig, T_current_previous);
+    return to_reference ? Patch::read(surroundings_, centre_px_, *to_reference) : std::nullopt;
 }
 
 }  // namespace divemesh::features

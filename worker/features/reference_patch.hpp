@@ -29,6 +29,10 @@ public:
     void move(const Eigen::Isometry3d& T_current_previous) {
         T_current_reference_ = T_current_previous * T_current_reference_;
     }
+    // Returns d pixel(reference) / d pixel(current) after a further motion; nullopt if the depth is
+    // unknown or the patch would be distorted too much.
+    std::optional<Eigen::Matrix2d> warp(const types::RectifiedRig& rig,
+                                        const Eigen::Isometry3d& T_current_previous) const;
     // Returns the patch as the camera sees it after a further motion; nullopt if it would be
     // distorted too much or has no contrast.
     std::optional<Patch> warp_to_current(const types::RectifiedRig& rig,

@@ -1,5 +1,6 @@
 #include "worker/features/track_features.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
@@ -75,34 +76,56 @@ types::Features FeatureTracker::track(const cv::Mat& left,
         cv::pyrDown(current_pyramid_[i - 1], current_pyramid_[i]);
     types::Features features;
     if (previous_pyramid_[0].empty()) return features;
-    std::unordered_map<std::int64_t, ReferencePatch> reference_patches =
-        std::move(reference_patches_);
-    reference_patches_.clear();
+    previous_patches_ = std::exchange(reference_patches_, {});
     Occupancy occupancy(left, min_distance_px());
     for (const types::Feature& feature : previous) {
         const Eigen::Vector3d guess = expected(rig_, feature, T_cam_previous);
         const Eigen::Vector2d near = track_coarse(feature.pixel, guess.head<2>());
-        const auto known = reference_patches.find(feature.id);
+        const auto known = previous_patches_.find(feature.id);
         std::optional<Patch> reference_patch;
-        if (known != reference_patches.end())
+        if (known != previous_patches_.end())
             reference_patch = known->second.warp_to_current(rig_, T_cam_previous);
         const auto seen =
             track_fine(feature.pixel, near, reference_patch ? &*reference_patch : nullptr);
-        if (!seen && known != reference_patches.end() && types::has_depth(feature))
+        if (!seen && known != previous_patches_.end() && types::has_depth(feature))
             lost_.lose(feature, known->second);
         if (!seen || !occupancy.take(seen->pixel.x(), seen->pixel.y())) continue;
         features.push_back({feature.id, seen->pixel, guess.z()});
         if (seen->matches_reference) {
-            known->second.move(T_cam_previous);
-            reference_patches_.emplace(feature.id, std::move(known->second));
+            reference_patches_.emplace(feature.id, known->second)
+                .first->second.move(T_cam_previous);
         } else {
             ReferencePatch anew =
-                known == reference_patches.end()
+                known == previous_patches_.end()
                     ? ReferencePatch(rig_, previous_pyramid_[0], feature)
                     : ReferencePatch(rig_, previous_pyramid_[0], feature, known->second);
             anew.move(T_cam_previous);
             reference_patches_.emplace(feature.id, std::move(anew));
         }
+    }
+    return features;
+}
+
+types::Features FeatureTracker::track_again(const types::Features& previous,
+                                            const Eigen::Isometry3d& T_cam_previous) {
+    lost_.forget_newest();
+    reference_patches_.clear();
+    Occupancy occupancy(current_pyramid_[0], min_distance_px());
+    types::Features features;
+    for (const types::Feature& feature : previous) {
+        if (!types::has_depth(feature)) continue;
+        const auto known = previous_patches_.find(feature.id);
+        const ReferencePatch* reference =
+            known == previous_patches_.end() ? nullptr : &known->second;
+        const ReferencePatch before =
+            reference ? ReferencePatch(rig_, previous_pyramid_[0], feature, *reference)
+                      : ReferencePatch(rig_, previous_pyramid_[0], feature);
+        const auto seen = track_warped(feature, T_cam_previous, reference, before);
+        if (!seen && reference) lost_.lose(feature, *reference);
+        if (!seen || !occupancy.take(seen->pixel.x(), seen->pixel.y())) continue;
+        features.push_back({feature.id, seen->pixel, expected(rig_, feature, T_cam_previous).z()});
+        reference_patches_.emplace(feature.id, seen->matches_reference ? *reference : before)
+            .first->second.move(T_cam_previous);
     }
     return features;
 }
@@ -154,6 +177,31 @@ std::optional<FeatureTracker::Seen> FeatureTracker::track_fine(const Eigen::Vect
     const auto back =
         current_patch ? current_patch->align(previous_pyramid_[0], from) : std::nullopt;
     if (!back || (back->pixel - from).norm() > kBackwardError_px) return std::nullopt;
+    return seen;
+}
+
+std::optional<FeatureTracker::Seen> FeatureTracker::track_warped(
+    const types::Feature& feature,
+    const Eigen::Isometry3d& T_cam_previous,
+    const ReferencePatch* reference,
+    const ReferencePatch& before) const {
+    const auto warp = before.warp(rig_, T_cam_previous);
+    if (!warp) return std::nullopt;
+    const Eigen::Vector2d guess = expected(rig_, feature, T_cam_previous).head<2>();
+    std::optional<Seen> seen;
+    const auto look_for = [&](const ReferencePatch& look) {
+        const auto patch = look.warp_to_current(rig_, T_cam_previous);
+        const auto found = patch ? patch->align(current_pyramid_[0], guess) : std::nullopt;
+        if (found && found->correlation >= kSameCorrelation)
+            seen = Seen{found->pixel, &look == reference};
+    };
+    if (reference != nullptr) look_for(*reference);
+    if (!seen) look_for(before);
+    if (!seen || !inside(current_pyramid_[0], seen->pixel)) return std::nullopt;
+    const auto current_patch = Patch::read(current_pyramid_[0], seen->pixel, warp->inverse());
+    const auto back =
+        current_patch ? current_patch->align(previous_pyramid_[0], feature.pixel) : std::nullopt;
+    if (!back || (back->pixel - feature.pixel).norm() > kBackwardError_px) return std::nullopt;
     return seen;
 }
 

@@ -35,6 +35,13 @@ public:
                           const types::Features& previous,
                           const Eigen::Isometry3d& T_cam_previous);
 
+    // Tracks `previous`, the features given to the last call of track(), once more into the same
+    // image, with a motion that is accurate to some pixels. Patches are warped by it in both
+    // directions, so that turns, approaches and steps as wide as half the image leave a feature its
+    // id and its reference patch. Features without depth are left out.
+    types::Features track_again(const types::Features& previous,
+                                const Eigen::Isometry3d& T_cam_previous);
+
     // Returns, once the motion of the last image is known, features lost some images ago that are
     // found again, with their ids, if none of `present` is near. Their disparities are predicted
     // and still have to be measured.
@@ -57,6 +64,11 @@ private:
         bool matches_reference = false;  // else the previous image
     };
     Eigen::Vector2d track_coarse(const Eigen::Vector2d& from, const Eigen::Vector2d& guess) const;
+    // `before` is the feature's patch in the previous image.
+    std::optional<Seen> track_warped(const types::Feature& feature,
+                                     const Eigen::Isometry3d& T_cam_previous,
+                                     const ReferencePatch* reference,
+                                     const ReferencePatch& before) const;
     std::optional<Seen> track_fine(const Eigen::Vector2d& from,
                                    const Eigen::Vector2d& near,
                                    const Patch* reference_patch) const;
@@ -67,6 +79,7 @@ private:
     Pyramid previous_pyramid_;
     Pyramid current_pyramid_;                                             // of the last image
     std::unordered_map<std::int64_t, ReferencePatch> reference_patches_;  // of the features
+    std::unordered_map<std::int64_t, ReferencePatch> previous_patches_;   // as the image before had
     LostFeatures lost_;
     HighPass high_pass_;
     CornerScores corner_scores_;

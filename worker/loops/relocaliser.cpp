@@ -1,24 +1,30 @@
 #include "worker/loops/relocaliser.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include "worker/features/match_sparse_stereo.hpp"
-#include "worker/loops/match_keypoints.hpp"
+#include "worker/loops/search_by_projection.hpp"
 
 namespace divemesh::loops {
 namespace {
 
-// Measures the disparities of keypoints by searching along the rows of the right image.
-void measure_disparities(const types::RectifiedFrame& frame,
-                         int num_disparities_px,
-                         features::DescribedKeypoints& keypoints) {
+constexpr std::size_t kNumKeyframes = 3;  // further ones are found as loops, after tracking
+
+// Returns the keypoints by which loops are found. Their disparities are measured by searching along
+// the rows of the right image.
+features::DescribedKeypoints loop_keypoints(const types::RectifiedFrame& frame,
+                                            int num_disparities_px) {
+    features::DescribedKeypoints view = features::describe_keypoints(frame.left);
     types::Features corners;
-    for (const features::DescribedKeypoint& point : keypoints)
+    for (const features::DescribedKeypoint& point : view)
         corners.push_back({0, {point.u_px, point.v_px}, 0.0});
     features::match_sparse_stereo(frame, {}, num_disparities_px, corners);
-    for (std::size_t i = 0; i < keypoints.size(); ++i)
-        keypoints[i].disparity_px = static_cast<float>(corners[i].disparity_px);
+    for (std::size_t i = 0; i < view.size(); ++i)
+        view[i].disparity_px = static_cast<float>(corners[i].disparity_px);
+    return view;
 }
 
 void join(const types::Features& known, types::Features& features) {
@@ -35,20 +41,58 @@ void join(const types::Features& known, types::Features& features) {
 
 }  // namespace
 
-Relocaliser::Relocaliser(const types::RectifiedRig& rig, bool used, int num_disparities_px)
-    : rig_(rig), used_(used), num_disparities_px_(num_disparities_px) {}
+Relocaliser::Relocaliser(const types::RectifiedRig& rig, bool close_loops, int num_disparities_px)
+    : rig_(rig), close_loops_(close_loops), num_disparities_px_(num_disparities_px) {}
+
+std::optional<Eigen::Isometry3d> Relocaliser::register_to_previous(
+    const types::RectifiedFrame& frame, const MotionPrior& prior, std::uint64_t seed) {
+    if (!previous_) return std::nullopt;
+    return register_wide_baseline(
+        rig_, described(*previous_), described(current(frame)), prior, seed);
+}
+
+std::optional<Relocaliser::Recognised> Relocaliser::recognise(const types::RectifiedFrame& frame,
+                                                              std::uint64_t seed) {
+    for (KeptKeyframe& keyframe : keyframes_)
+        if (auto recognised = recognise_by(keyframe, frame, seed)) return recognised;
+    return std::nullopt;
+}
+
+std::optional<Relocaliser::Recognised> Relocaliser::recognise_by(KeptKeyframe& keyframe,
+                                                                 const types::RectifiedFrame& frame,
+                                                                 std::uint64_t seed) {
+    const auto rough =
+        register_wide_baseline(rig_, described(keyframe.view), described(current(frame)), {}, seed);
+    if (!rough) return std::nullopt;
+    std::vector<KnownPoint> points;
+    for (const types::Feature& feature : keyframe.features)
+        points.push_back({feature.pixel, types::point_cam(rig_, feature)});
+    Eigen::Isometry3d T_current_keyframe = *rough;
+    const auto found = search_by_projection(
+        rig_, keyframe.view.frame.left, points, frame.left, T_current_keyframe);
+    if (!found) return std::nullopt;
+    Recognised recognised;
+    recognised.T_world_keyframe = keyframe.T_world_cam;
+    recognised.T_world_cam = keyframe.T_world_cam * T_current_keyframe.inverse();
+    for (types::Feature feature : *found) {
+        const auto i = static_cast<std::size_t>(feature.id);
+        feature.id = keyframe.features[i].id;
+        feature.disparity_px = rig_.disparity_px((T_current_keyframe * points[i].p_cam).z());
+        recognised.in_keyframe.push_back(keyframe.features[i]);
+        recognised.features.push_back(feature);
+    }
+    features::match_sparse_stereo(frame, {}, num_disparities_px_, recognised.features);
+    return recognised;
+}
 
 void Relocaliser::relocalise(const types::RectifiedFrame& frame,
                              std::uint64_t seed,
                              types::Features& features,
                              odometry::MotionModel& motion) {
-    if (!used_) return;
-    keypoints_ = features::describe_keypoints(frame.left);
-    measure_disparities(frame, num_disparities_px_, keypoints_);
-    if (!std::exchange(lost_, false) || last_left_.empty()) return;
-    const auto known = match_last_keyframe(frame, seed);
+    if (!std::exchange(lost_, false)) return;
+    const auto known = recognise(frame, seed);
     if (!known) return;
-    motion.correct(T_world_last_ * known->T_current_reference.inverse());
+    motion.correct(known->T_world_cam);
     join(known->features, features);
 }
 
@@ -56,36 +100,29 @@ std::optional<features::DescribedKeypoints> Relocaliser::keep(
     const types::RectifiedFrame& frame,
     const types::Features& features,
     const Eigen::Isometry3d& T_world_cam) {
-    if (!used_) return std::nullopt;
-    last_keypoints_ = std::move(keypoints_);
-    last_left_ = frame.left;
-    last_features_.clear();
-    for (const types::Feature& feature : features)
-        if (types::has_depth(feature)) last_features_.push_back(feature);
-    T_world_last_ = T_world_cam;
-    return last_keypoints_;
+    if (keyframes_.size() == kNumKeyframes) keyframes_.pop_back();
+    keyframes_.push_front({current(frame), features, T_world_cam});
+    std::erase_if(keyframes_.front().features,
+                  [](const types::Feature& feature) { return !types::has_depth(feature); });
+    if (!close_loops_) return std::nullopt;
+    return loop_keypoints(frame, num_disparities_px_);
 }
 
-std::optional<Relocaliser::Known> Relocaliser::match_last_keyframe(
-    const types::RectifiedFrame& frame, std::uint64_t seed) const {
-    const auto rough = register_keypoints(rig_, last_keypoints_, keypoints_, seed);
-    if (!rough) return std::nullopt;
-    Known known;
-    known.T_current_reference = *rough;
-    std::vector<KnownPoint> points;
-    for (const types::Feature& feature : last_features_)
-        points.push_back({feature.pixel, types::point_cam(rig_, feature)});
-    const auto found =
-        search_by_projection(rig_, last_left_, points, frame.left, known.T_current_reference);
-    if (!found) return std::nullopt;
-    for (types::Feature feature : *found) {
-        const auto i = static_cast<std::size_t>(feature.id);
-        feature.id = last_features_[i].id;
-        feature.disparity_px = rig_.disparity_px((known.T_current_reference * points[i].p_cam).z());
-        known.features.push_back(feature);
-    }
-    features::match_sparse_stereo(frame, {}, num_disparities_px_, known.features);
-    return known;
+void Relocaliser::pass(const types::RectifiedFrame& frame) {
+    previous_ = current(frame);
+    current_.reset();
+}
+
+const SiftKeypoints& Relocaliser::described(View& view) const {
+    if (!view.keypoints)
+        view.keypoints =
+            std::make_shared<const SiftKeypoints>(sift_keypoints(view.frame, num_disparities_px_));
+    return *view.keypoints;
+}
+
+Relocaliser::View& Relocaliser::current(const types::RectifiedFrame& frame) {
+    if (!current_) current_ = View{frame, nullptr};
+    return *current_;
 }
 
 }  // namespace divemesh::loops

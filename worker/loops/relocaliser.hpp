@@ -2,11 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <deque>
+#include <memory>
 #include <optional>
-#include <vector>
 
 #include "worker/features/described_keypoints.hpp"
-#include "worker/loops/search_by_projection.hpp"
+#include "worker/loops/register_wide_baseline.hpp"
+#include "worker/loops/sift_keypoints.hpp"
 #include "worker/odometry/motion_model.hpp"
 #include "worker/types/feature.hpp"
 #include "worker/types/keyframe.hpp"
@@ -14,45 +16,71 @@
 
 namespace divemesh::loops {
 
-// The memory of the last keyframe and its keypoints. If the scene was lost and comes back
-// overlapping that keyframe, tracking continues from there.
+// The memory of the previous frame and of the last keyframes. Where tracking fails, the current
+// frame is registered to them by descriptors, without a prediction.
 class Relocaliser {
 public:
-    // Stores keyframes only if `used`.
-    Relocaliser(const types::RectifiedRig& rig, bool used, int num_disparities_px);
+    // Returns keypoints for loop closure only if `close_loops`.
+    Relocaliser(const types::RectifiedRig& rig, bool close_loops, int num_disparities_px);
+
+    // Returns T_current_previous, accurate to some pixels; nullopt: the images do not overlap
+    // enough. `prior` is of T_current_previous.
+    std::optional<Eigen::Isometry3d> register_to_previous(const types::RectifiedFrame& frame,
+                                                          const MotionPrior& prior,
+                                                          std::uint64_t seed);
+
+    // A frame recognised by a keyframe that it overlaps.
+    struct Recognised {
+        Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
+        Eigen::Isometry3d T_world_keyframe = Eigen::Isometry3d::Identity();
+        types::Features in_keyframe;  // with their ids, as the keyframe had them
+        types::Features features;     // the same at current positions
+    };
+    // Returns the frame as recognised by the newest of the last keyframes that it overlaps; nullopt
+    // if it overlaps none.
+    std::optional<Recognised> recognise(const types::RectifiedFrame& frame, std::uint64_t seed);
 
     // Marks that a frame was not constrained by vision.
     void mark_lost() { lost_ = true; }
-
     // Called for a frame that is about to become a keyframe. After a loss, features of the last
-    // keyframe that it shows are added to `features` with their ids, and `motion` is corrected.
+    // keyframes that it shows are added to `features` with their ids, and `motion` is corrected.
     void relocalise(const types::RectifiedFrame& frame,
                     std::uint64_t seed,
                     types::Features& features,
                     odometry::MotionModel& motion);
+
     // Stores the frame as a keyframe with this pose. Returns its keypoints; nullopt if loops are
     // not searched for.
     std::optional<features::DescribedKeypoints> keep(const types::RectifiedFrame& frame,
                                                      const types::Features& features,
                                                      const Eigen::Isometry3d& T_world_cam);
+    // Stores the frame as the previous one.
+    void pass(const types::RectifiedFrame& frame);
 
 private:
-    struct Known {
-        Eigen::Isometry3d T_current_reference = Eigen::Isometry3d::Identity();
-        types::Features features;  // of the last keyframe, with their ids, at current positions
+    using Keypoints = std::shared_ptr<const SiftKeypoints>;  // nullptr: not needed so far
+    struct View {
+        types::RectifiedFrame frame;
+        Keypoints keypoints;
     };
-    std::optional<Known> match_last_keyframe(const types::RectifiedFrame& frame,
-                                             std::uint64_t seed) const;
+    struct KeptKeyframe {
+        View view;
+        types::Features features;  // those with depth
+        Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
+    };
+    const SiftKeypoints& described(View& view) const;
+    View& current(const types::RectifiedFrame& frame);
+    std::optional<Recognised> recognise_by(KeptKeyframe& keyframe,
+                                           const types::RectifiedFrame& frame,
+                                           std::uint64_t seed);
 
     types::RectifiedRig rig_;
-    bool used_;
+    bool close_loops_;
     int num_disparities_px_;
     bool lost_ = false;
-    features::DescribedKeypoints keypoints_;       // of the frame about to become a keyframe
-    features::DescribedKeypoints last_keypoints_;  // of the last keyframe, as are the members below
-    cv::Mat last_left_;
-    types::Features last_features_;
-    Eigen::Isometry3d T_world_last_ = Eigen::Isometry3d::Identity();
+    std::optional<View> current_;
+    std::optional<View> previous_;
+    std::deque<KeptKeyframe> keyframes_;  // newest first
 };
 
 }  // namespace divemesh::loops

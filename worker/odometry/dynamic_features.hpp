@@ -20,6 +20,12 @@ public:
     types::Features with_dynamic(const types::Features& scene) const;
     // Removes the dynamic features from the tracks and stores their current positions.
     void take_dynamic(types::Features& tracks);
+    // Drops the dynamic features of the current frame: the motion by which they were tracked was
+    // wrong.
+    void forget() {
+        features_.clear();
+        started_.clear();
+    }
     // Classifies pairs that are not inliers of the motion as dynamic. Dynamic features that follow
     // the static scene after all are dropped.
     void classify(const PointPairs& pairs, const Registration& motion);

@@ -1,5 +1,6 @@
 #include "worker/pipeline/window_tracker.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "worker/features/match_sparse_stereo.hpp"
@@ -7,10 +8,21 @@
 #include "worker/odometry/predict_orientation.hpp"
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/register_with_rotation.hpp"
+#include "worker/odometry/support.hpp"
 #include "worker/odometry/with_depth_at_both_times.hpp"
 #include "worker/stereo/disparity_search_range.hpp"
 
 namespace divemesh::pipeline {
+namespace {
+
+constexpr double kMinDepth_m = 0.05;
+
+std::size_t num_with_depth(const types::Features& features) {
+    return static_cast<std::size_t>(
+        std::count_if(features.begin(), features.end(), types::has_depth));
+}
+
+}  // namespace
 
 WindowTracker::WindowTracker(const types::RectifiedRig& rig,
                              const types::Recording& recording,
@@ -33,32 +45,28 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
     const auto rotation = motion_.rotation(now_ns);
     const auto expected = motion_.predict(rotation, now_ns);
 
-    types::Features tracks =
-        tracker_.track(frame.left, moving_.with_dynamic(features_), expected);      // 2
-    features::match_sparse_stereo(frame, {}, options_.num_disparities_px, tracks);  // 1
-    moving_.take_dynamic(tracks);
-    const odometry::PointPairs measured =
-        odometry::with_depth_at_both_times(rig_, features_, tracks);  // 3
-    odometry::PointPairs pairs = measured;
-    map_.use_landmarks(motion_.T_world_cam(), pairs);
-    const auto vision = odometry::register_with_rotation(  // 4
-        rig_,
-        pairs,
-        rotation,
-        expected,
-        odometry::kInlierTolerance_px,
-        odometry::seed_of(options_.seed, frame));
+    Observed seen =
+        observe(frame,
+                tracker_.track(frame.left, moving_.with_dynamic(features_), expected),  // 2
+                rotation,
+                expected);
+    if (!map_.empty() &&
+        !odometry::well_supported(rig_, seen.vision, num_with_depth(features_), expected))
+        seen = recover(frame, rotation, expected, std::move(seen));
+    const odometry::Registration& vision = seen.vision;
     const auto guess = odometry::predict_orientation(rotation, vision);  // 5
     const auto T_current_previous =                                      // 6
         vision.found ? summary_.counted(odometry::refine_pose(rig_, vision.inliers, guess))
                      : expected;
 
     motion_.advance(T_current_previous, now_ns);
-    if (options_.align_imu) aligner_.watch(rig_, measured, vision, before_ns, now_ns, inertial_);
+    if (options_.align_imu)
+        aligner_.watch(rig_, seen.measured, vision, before_ns, now_ns, inertial_);
     const bool first = map_.empty();
-    first ? summary_.add_first_frame() : summary_.add_frame(tracks, vision, guess);
-    moving_.classify(pairs, vision);
-    features_ = odometry::without_dynamic_features(tracks, pairs, vision);
+    first ? summary_.add_first_frame() : summary_.add_frame(seen.tracks, vision, guess);
+    // Outliers over a wide baseline are false matches: what moves by itself is too far away.
+    if (seen.predicted) moving_.classify(seen.pairs, vision);
+    features_ = odometry::without_dynamic_features(seen.tracks, seen.pairs, vision);
     odometry::add_lost_features(
         frame, T_current_previous, options_.num_disparities_px, tracker_, features_);
     const bool keep = first || (vision.found && map_.due(features_, now_ns));
@@ -76,7 +84,78 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
         tracked.to_map = {
             {}, {std::move(view), moving_.now(), odometry::static_features(vision), range}};
     }
+    memory_.pass(frame);
     return tracked;
+}
+
+WindowTracker::Observed WindowTracker::observe(const types::RectifiedFrame& frame,
+                                               types::Features tracks,
+                                               const std::optional<types::KnownRotation>& rotation,
+                                               const Eigen::Isometry3d& expected) {
+    Observed seen;
+    seen.tracks = std::move(tracks);
+    features::match_sparse_stereo(frame, {}, options_.num_disparities_px, seen.tracks);  // 1
+    moving_.take_dynamic(seen.tracks);
+    seen.measured = odometry::with_depth_at_both_times(rig_, features_, seen.tracks);  // 3
+    seen.pairs = seen.measured;
+    map_.use_landmarks(motion_.T_world_cam(), seen.pairs);
+    seen.vision = odometry::register_with_rotation(  // 4
+        rig_,
+        seen.pairs,
+        rotation,
+        expected,
+        odometry::kInlierTolerance_px,
+        odometry::seed_of(options_.seed, frame));
+    return seen;
+}
+
+WindowTracker::Observed WindowTracker::recover(const types::RectifiedFrame& frame,
+                                               const std::optional<types::KnownRotation>& rotation,
+                                               const Eigen::Isometry3d& expected,
+                                               Observed predicted) {
+    const auto better = [](const Observed& a, const Observed& b) {
+        return a.vision.found &&
+               (!b.vision.found || a.vision.inliers.size() > b.vision.inliers.size());
+    };
+    if (auto followed = follow_wide(frame, {expected, rotation}))
+        if (better(*followed, predicted)) return std::move(*followed);
+    if (!predicted.vision.found)
+        if (auto recognised = recognise(frame, rotation, expected)) return std::move(*recognised);
+    return predicted;
+}
+
+std::optional<WindowTracker::Observed> WindowTracker::follow_wide(
+    const types::RectifiedFrame& frame, const loops::MotionPrior& prior) {
+    const auto rough =
+        memory_.register_to_previous(frame, prior, odometry::seed_of(options_.seed, frame));
+    if (!rough) return std::nullopt;
+    moving_.forget();
+    Observed seen = observe(frame, tracker_.track_again(features_, *rough), prior.rotation, *rough);
+    seen.predicted = false;
+    return seen;
+}
+
+std::optional<WindowTracker::Observed> WindowTracker::recognise(
+    const types::RectifiedFrame& frame,
+    const std::optional<types::KnownRotation>& rotation,
+    const Eigen::Isometry3d& expected) {
+    auto known = memory_.recognise(frame, odometry::seed_of(options_.seed, frame));
+    if (!known) return std::nullopt;
+    // The previous pose becomes that from which the predicted motion leads here.
+    motion_.correct(known->T_world_cam * expected);
+    const Eigen::Isometry3d T_previous_keyframe =
+        motion_.T_world_cam().inverse() * known->T_world_keyframe;
+    features_.clear();
+    for (const types::Feature& feature : known->in_keyframe) {
+        const Eigen::Vector3d p_previous = T_previous_keyframe * types::point_cam(rig_, feature);
+        if (p_previous.z() <= kMinDepth_m) continue;
+        const Eigen::Vector3d pixel = types::project_px(rig_, p_previous);
+        features_.push_back({feature.id, pixel.head<2>(), pixel.z()});
+    }
+    moving_.forget();
+    Observed seen = observe(frame, std::move(known->features), rotation, expected);
+    seen.predicted = false;
+    return seen;
 }
 
 std::optional<features::DescribedKeypoints> WindowTracker::keep_keyframe(

@@ -29,6 +29,29 @@ public:
     void move_to(types::Track& track) override;
 
 private:
+    // Steps 2 to 4 for one frame.
+    struct Observed {
+        types::Features tracks;
+        odometry::PointPairs measured;  // by their depth at both times
+        odometry::PointPairs pairs;     // by landmarks where there are
+        odometry::Registration vision;
+        bool predicted = true;  // the features were found where the motion model predicted them
+    };
+    Observed observe(const types::RectifiedFrame& frame,
+                     types::Features tracks,
+                     const std::optional<types::KnownRotation>& rotation,
+                     const Eigen::Isometry3d& expected);
+    // Registers the frame by descriptors, to the previous frame or to one of the last keyframes,
+    // and tracks its features again from there. Returns what supports the motion best.
+    Observed recover(const types::RectifiedFrame& frame,
+                     const std::optional<types::KnownRotation>& rotation,
+                     const Eigen::Isometry3d& expected,
+                     Observed predicted);
+    std::optional<Observed> follow_wide(const types::RectifiedFrame& frame,
+                                        const loops::MotionPrior& prior);
+    std::optional<Observed> recognise(const types::RectifiedFrame& frame,
+                                      const std::optional<types::KnownRotation>& rotation,
+                                      const Eigen::Isometry3d& expected);
     // Returns the keypoints of the keyframe; nullopt: loops are not searched for.
     std::optional<features::DescribedKeypoints> keep_keyframe(const types::RectifiedFrame& frame);
 

@@ -1,0 +1,106 @@
+#include "worker/loops/register_wide_baseline.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "worker/base/horn.hpp"
+#include "worker/odometry/pair_inliers.hpp"
+#include "worker/odometry/refine_pose.hpp"
+#include "worker/odometry/support.hpp"
+
+namespace divemesh::loops {
+namespace {
+
+constexpr int kMaxRansacIterations = 600;
+constexpr double kConfidence = 0.999;
+constexpr double kTolerance_px = 3.0;
+constexpr std::size_t kMinInliers = 15;
+constexpr std::size_t kMinInliersWithPrior = 10;
+constexpr double kMaxSigma_rad = 0.02;  // ten pixels: worse than a prediction
+constexpr double kRotationSlack_rad = 0.02;
+constexpr double kNumSigmas = 3.5;
+constexpr std::size_t kMinCells = 5;  // cells of the image with an inlier
+
+std::optional<Eigen::Isometry3d> motion_of_three(const types::RectifiedRig& rig,
+                                                 const odometry::PointPairs& pairs,
+                                                 std::mt19937_64& random) {
+    odometry::PointPairs three;
+    std::vector<Eigen::Vector3d> from;
+    std::vector<Eigen::Vector3d> to;
+    for (int k = 0; k < 3; ++k) {
+        three.push_back(pairs[random() % pairs.size()]);
+        from.push_back(three.back().p_previous);
+        to.push_back(three.back().p_current);
+    }
+    const auto horn = base::absolute_orientation(from, to);
+    if (!horn) return std::nullopt;
+    return odometry::refine_pose(rig, three, {horn->T_b_a, std::nullopt, 0.0}).T_current_previous;
+}
+
+int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
+    const double share = static_cast<double>(num_inliers) / static_cast<double>(num_pairs);
+    const double miss = 1.0 - share * share * share;
+    if (miss <= 1.0 - kConfidence) return 1;
+    return static_cast<int>(std::min<double>(
+        kMaxRansacIterations, std::ceil(std::log(1.0 - kConfidence) / std::log(miss))));
+}
+
+Eigen::Isometry3d best_motion(const types::RectifiedRig& rig,
+                              const odometry::PointPairs& pairs,
+                              std::uint64_t seed) {
+    std::mt19937_64 random(seed);
+    Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
+    double least = odometry::msac_cost(rig, pairs, best, kTolerance_px);
+    int tries = kMaxRansacIterations;
+    for (int i = 0; i < tries; ++i) {
+        const auto motion = motion_of_three(rig, pairs, random);
+        if (!motion) continue;
+        const double cost = odometry::msac_cost(rig, pairs, *motion, kTolerance_px);
+        if (cost >= least) continue;
+        least = cost;
+        best = *motion;
+        const auto inliers = odometry::find_inliers(rig, pairs, best, kTolerance_px);
+        tries = std::min(tries, i + 1 + num_iterations_needed(inliers.size(), pairs.size()));
+    }
+    return best;
+}
+
+bool fits(const std::optional<types::KnownRotation>& rotation, const Eigen::Isometry3d& T_b_a) {
+    return rotation && rotation->q.angularDistance(Eigen::Quaterniond(T_b_a.linear())) <
+                           kRotationSlack_rad + kNumSigmas * rotation->sigma_rad;
+}
+
+// Refines a motion over its inliers. Returns nullopt if they are fewer than `min_inliers`, all in a
+// corner, or do not determine the motion.
+std::optional<Eigen::Isometry3d> confirmed(const types::RectifiedRig& rig,
+                                           const odometry::PointPairs& pairs,
+                                           Eigen::Isometry3d T_b_a,
+                                           const MotionPrior& prior) {
+    odometry::PointPairs inliers = odometry::find_inliers(rig, pairs, T_b_a, kTolerance_px);
+    for (int i = 0; i < 2 && inliers.size() >= kMinInliersWithPrior; ++i) {
+        T_b_a = odometry::refine_pose(rig, inliers, {T_b_a, std::nullopt, 0.0}).T_current_previous;
+        inliers = odometry::find_inliers(rig, pairs, T_b_a, kTolerance_px);
+    }
+    const std::size_t wanted = fits(prior.rotation, T_b_a) ? kMinInliersWithPrior : kMinInliers;
+    if (inliers.size() < wanted || odometry::num_cells(rig, inliers) < kMinCells ||
+        odometry::max_sigma_rad(rig, inliers, {T_b_a, std::nullopt, 0.0}) > kMaxSigma_rad)
+        return std::nullopt;
+    return T_b_a;
+}
+
+}  // namespace
+
+std::optional<Eigen::Isometry3d> register_wide_baseline(const types::RectifiedRig& rig,
+                                                        const SiftKeypoints& a,
+                                                        const SiftKeypoints& b,
+                                                        const MotionPrior& prior,
+                                                        std::uint64_t seed) {
+    const odometry::PointPairs pairs = match_sift(rig, a, b);
+    if (pairs.size() < kMinInliersWithPrior) return std::nullopt;
+    if (prior.T_b_a)
+        if (const auto predicted = confirmed(rig, pairs, *prior.T_b_a, prior)) return predicted;
+    return confirmed(rig, pairs, best_motion(rig, pairs, seed), prior);
+}
+
+}  // namespace divemesh::loops

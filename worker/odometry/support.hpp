@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstddef>
+
+#include "worker/odometry/register_points.hpp"
+#include "worker/types/rectified_rig.hpp"
+
+namespace divemesh::odometry {
+
+// Returns the number of cells of the image, of 8 x 6, with the current position of a pair.
+std::size_t num_cells(const types::RectifiedRig& rig, const PointPairs& pairs);
+
+// Returns true if a motion found by tracking from the prediction `expected` needs no confirmation:
+// enough inliers, a large share of the pairs, spread over the image. Also, it holds for a good part
+// of the `num_previous` features that the previous frame had with depth, or it is the predicted
+// motion within some pixels. Features that moved farther may have been taken for their neighbours
+// where the texture repeats, all in the same way.
+bool well_supported(const types::RectifiedRig& rig,
+                    const Registration& motion,
+                    std::size_t num_previous,
+                    const Eigen::Isometry3d& expected);
+
+}  // namespace divemesh::odometry
