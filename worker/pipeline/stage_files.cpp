@@ -82,6 +82,22 @@ void put_alignment(base::BinaryWriter& file, const types::ImuAlignment& alignmen
     file.put_raw(alignment.q_body_imu.coeffs());
 }
 
+void put_left_out(base::BinaryWriter& file, const types::SensorsLeftOut& left_out) {
+    file.put(left_out.imu);
+    file.put(left_out.accelerometer);
+    file.put(left_out.ahrs);
+    file.put_vector(left_out.imu_times);
+}
+
+types::SensorsLeftOut get_left_out(base::BinaryReader& file) {
+    types::SensorsLeftOut left_out;
+    left_out.imu = file.get<bool>();
+    left_out.accelerometer = file.get<bool>();
+    left_out.ahrs = file.get<bool>();
+    left_out.imu_times = file.get_vector<types::TimeInterval>();
+    return left_out;
+}
+
 types::ImuAlignment get_alignment(base::BinaryReader& file) {
     types::ImuAlignment alignment;
     alignment.time_offset_s = file.get<double>();
@@ -199,6 +215,8 @@ void save_track(const std::filesystem::path& path,
         file.put_vector(landmark.observations);
     }
     put_alignment(file, track.imu_alignment);
+    put_left_out(file, track.left_out);
+    put_findings(file, track.findings);
     file.put(track.statistics);
     file.commit();
 }
@@ -220,6 +238,8 @@ std::optional<types::Track> load_track(const std::filesystem::path& path, const 
         track.landmarks.push_back(std::move(landmark));
     }
     track.imu_alignment = get_alignment(*file);
+    track.left_out = get_left_out(*file);
+    track.findings = get_findings(*file);
     track.statistics = file->get<types::TrackStatistics>();
     return complete(*file, std::move(track));
 }
