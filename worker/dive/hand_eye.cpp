@@ -14,6 +14,9 @@ namespace {
 constexpr std::size_t kMinPairs = 6;
 constexpr double kMinMotion = 0.02;  // rad/s; below this noise dominates
 constexpr double kFits = 0.5;
+// A wrong clock or a mirrored axis is fitted half-way by some rotation; a wrong T_BS fits as well
+// as a right one.
+constexpr double kFitsWell = 0.2;
 constexpr double kMaxAngle_deg = 20.0;
 
 // Returns the median distance from the median.
@@ -103,7 +106,7 @@ void report_hand_eye(const std::vector<RotationPair>& pairs,
                 base::fixed(100.0 * result.inverse_residual, 0) + " % with the inverse)",
             "Write the inverse of what is there: T_BS maps the sensor's coordinates to the body's "
             "(Kalibr's T_cam_imu is the inverse of T_BS).");
-    if (result.best_is_determined && result.best_residual < kFits &&
+    if (result.best_is_determined && result.best_residual < kFitsWell &&
         result.best_angle_deg > kMaxAngle_deg)
         return findings.error("extrinsics_rotation",
                               "mav0/cam0/sensor.yaml",

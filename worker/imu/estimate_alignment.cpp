@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/imu/gyroscope_path.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::imu {
@@ -28,60 +29,6 @@ constexpr double kMinOffset_s = 1.5e-3;  // correcting a smaller one risks more 
 constexpr double kMinRotation_rad = 4e-3;
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
-
-// The gyroscope's orientation since its first sample, so that the rotation between any two times is
-// one quotient.
-class GyroscopePath {
-public:
-    GyroscopePath(const std::vector<types::ImuSample>& samples,
-                  std::int64_t from_ns,
-                  std::int64_t to_ns) {
-        for (const types::ImuSample& sample : samples) {
-            if (sample.timestamp_ns < from_ns - 2 * kReach_ns) continue;
-            if (sample.timestamp_ns > to_ns + 2 * kReach_ns) break;
-            q_.push_back(samples_.empty() ? Eigen::Quaterniond::Identity()
-                                          : turned(samples_.back(), sample));
-            samples_.push_back(sample);
-        }
-    }
-
-    bool covers(std::int64_t from_ns, std::int64_t to_ns) const {
-        return samples_.size() > 1 && from_ns >= samples_.front().timestamp_ns &&
-               to_ns <= samples_.back().timestamp_ns;
-    }
-    // Returns the rotation vector from one time to another, rad, in the frame at `from`.
-    Eigen::Vector3d rotation(std::int64_t from_ns, std::int64_t to_ns) const {
-        return base::vector_from_rotation(at(from_ns).conjugate() * at(to_ns));
-    }
-
-private:
-    Eigen::Quaterniond turned(const types::ImuSample& before, const types::ImuSample& after) const {
-        const double dt = 1e-9 * static_cast<double>(after.timestamp_ns - before.timestamp_ns);
-        return (q_.back() *
-                base::rotation_from_vector(
-                    0.5 * dt * (before.angular_velocity_imu + after.angular_velocity_imu)))
-            .normalized();
-    }
-    Eigen::Quaterniond at(std::int64_t time_ns) const {
-        const auto after = std::upper_bound(samples_.begin() + 1,
-                                            samples_.end() - 1,
-                                            time_ns,
-                                            [](std::int64_t time, const types::ImuSample& sample) {
-                                                return time < sample.timestamp_ns;
-                                            });
-        const auto i = static_cast<std::size_t>(after - samples_.begin());
-        const types::ImuSample& before = samples_[i - 1];
-        const double since = 1e-9 * static_cast<double>(time_ns - before.timestamp_ns);
-        const double whole = 1e-9 * static_cast<double>(after->timestamp_ns - before.timestamp_ns);
-        const Eigen::Vector3d rate =
-            before.angular_velocity_imu +
-            0.5 * since / whole * (after->angular_velocity_imu - before.angular_velocity_imu);
-        return q_[i - 1] * base::rotation_from_vector(rate * since);
-    }
-
-    std::vector<types::ImuSample> samples_;
-    std::vector<Eigen::Quaterniond> q_;
-};
 
 struct State {
     double offset_s = 0.0;
@@ -238,7 +185,8 @@ bool AlignmentEstimate::rotation_is_significant() const {
 std::optional<AlignmentEstimate> estimate_alignment(const std::vector<types::ImuSample>& samples,
                                                     const std::vector<VisionRotation>& rotations) {
     if (rotations.size() < kMinRotations) return std::nullopt;
-    const GyroscopePath path(samples, rotations.front().from_ns, rotations.back().to_ns);
+    const GyroscopePath path(
+        samples, rotations.front().from_ns - 2 * kReach_ns, rotations.back().to_ns + 2 * kReach_ns);
     const Fit fit(path, rotations);
     if (fit.num_rotations() < kMinRotations) return std::nullopt;
     State state = coarse(fit);

@@ -24,6 +24,17 @@ struct VisionRotation {
     Eigen::Quaterniond q_from_to = Eigen::Quaterniond::Identity();
 };
 
+// A motion of the body measured by vision alone, on the cameras' clock.
+struct VisionMotion {
+    std::int64_t from_ns = 0;
+    std::int64_t to_ns = 0;
+    Eigen::Isometry3d T_from_to = Eigen::Isometry3d::Identity();
+
+    VisionRotation rotation() const {
+        return {from_ns, to_ns, Eigen::Quaterniond(T_from_to.linear())};
+    }
+};
+
 // The estimated alignment with its uncertainty. A value is significant above four sigmas and a min
 // size.
 struct AlignmentEstimate {

@@ -27,6 +27,9 @@ types::ImuNoise inflated(types::ImuNoise noise) {
     return noise;
 }
 
+// Over longer intervals the error of the bias, and of the vertical with it, is no longer small.
+constexpr std::int64_t kMaxIntegration_ns = 8'000'000'000;
+
 // The two samples around a time, at most `max_interval_ns` apart.
 template <typename Sample>
 struct Bracket {
@@ -67,32 +70,48 @@ bool measures_gravity(const std::vector<types::ImuSample>& samples) {
 
 }  // namespace
 
+std::vector<types::ImuSample> without(const std::vector<types::TimeInterval>& times,
+                                      const std::vector<types::ImuSample>& samples) {
+    std::vector<types::ImuSample> result = samples;
+    for (const types::TimeInterval& time : times)
+        std::erase_if(result, [&](const types::ImuSample& sample) {
+            return time.from_ns <= sample.timestamp_ns && sample.timestamp_ns <= time.to_ns;
+        });
+    return result;
+}
+
 InertialPrior::InertialPrior(const types::Recording& recording,
-                             const ReconstructionOptions& options)
+                             const ReconstructionOptions& options,
+                             const types::SensorsLeftOut& left_out)
     : recording_(recording),
-      imu_(recording.imu()),
+      imu_left_out_(left_out.imu_times),
+      imu_(without(imu_left_out_, recording.imu())),
       orientations_(recording.ahrs()),
-      gyroscope_(options.use_imu && recording.rig().imu_noise && !recording.imu().empty()),
-      accelerometer_(gyroscope_ && measures_gravity(recording.imu())),
-      ahrs_(options.use_ahrs && !recording.ahrs().empty()),
+      gyroscope_(options.use_imu && !left_out.imu && recording.rig().imu_noise && !imu_.empty()),
+      accelerometer_(gyroscope_ && !left_out.accelerometer && measures_gravity(imu_)),
+      ahrs_(options.use_ahrs && !left_out.ahrs && !recording.ahrs().empty()),
       ahrs_leads_(options.estimator == "pairwise"),
       pressure_(options.use_pressure && !recording.pressure().empty()),
       noise_(inflated(recording.rig().imu_noise.value_or(types::ImuNoise{}))) {}
 
 void InertialPrior::align(const types::ImuAlignment& alignment) {
-    imu_ = aligned(recording_.imu(), alignment);
+    imu_ = aligned(without(imu_left_out_, recording_.imu()), alignment);
     orientations_ = aligned(recording_.ahrs(), alignment);
+}
+
+bool InertialPrior::imu_is_used(std::int64_t from_ns, std::int64_t to_ns) const {
+    return to_ns - from_ns <= kMaxIntegration_ns && (!imu_ends_ns_ || to_ns < *imu_ends_ns_);
 }
 
 std::optional<GyroscopeIntegral> InertialPrior::integral(std::int64_t from_ns,
                                                          std::int64_t to_ns) const {
-    if (!gyroscope_) return std::nullopt;
+    if (!gyroscope_ || !imu_is_used(from_ns, to_ns)) return std::nullopt;
     return integrate_gyroscope(imu_, from_ns, to_ns, bias_.gyroscope, noise_);
 }
 
 std::optional<PreintegratedImu> InertialPrior::motion(std::int64_t from_ns,
                                                       std::int64_t to_ns) const {
-    if (!accelerometer_) return std::nullopt;
+    if (!accelerometer_ || !imu_is_used(from_ns, to_ns)) return std::nullopt;
     const auto result = preintegrate(imu_, from_ns, to_ns, bias_, noise_);
     const auto* motion = std::get_if<PreintegratedImu>(&result);
     return motion ? std::optional(*motion) : std::nullopt;
@@ -151,7 +170,7 @@ Eigen::Quaterniond InertialPrior::initial_orientation(std::int64_t time_ns,
                                                       const Eigen::Matrix3d& R_imu_cam) const {
     if (const auto q_world_imu = absolute(time_ns)) return *q_world_imu;
     Eigen::Vector3d up_imu = -R_imu_cam.col(1);  // without sensors: the camera is level
-    if (gyroscope_) {
+    if (accelerometer_) {
         Eigen::Vector3d sum = Eigen::Vector3d::Zero();
         for (const types::ImuSample& sample : imu_) {
             if (sample.timestamp_ns < time_ns) continue;

@@ -11,11 +11,16 @@
 #include "worker/imu/preintegration.hpp"
 #include "worker/types/known_rotation.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/sensors_left_out.hpp"
 
 namespace divemesh::imu {
 
 constexpr double kInitialGyroscopeBiasSigma = 0.02;     // rad/s, for a cheap sensor
 constexpr double kInitialAccelerometerBiasSigma = 0.1;  // m/s^2
+
+// Returns the samples outside the times.
+std::vector<types::ImuSample> without(const std::vector<types::TimeInterval>& times,
+                                      const std::vector<types::ImuSample>& samples);
 
 // The sensors' measurements at one time, and of the motion to it from an earlier time.
 struct SensorReadings {
@@ -31,7 +36,13 @@ struct SensorReadings {
 // from gyroscope and accelerometer. Biases are learnt from vision during the dive.
 class InertialPrior {
 public:
-    InertialPrior(const types::Recording& recording, const ReconstructionOptions& options);
+    InertialPrior(const types::Recording& recording,
+                  const ReconstructionOptions& options,
+                  const types::SensorsLeftOut& left_out = {});
+
+    // Leaves out the IMU from a time on; nullopt: uses all samples again that were not left out at
+    // the start.
+    void leave_out_from(std::optional<std::int64_t> from_ns) { imu_ends_ns_ = from_ns; }
 
     // Corrects all samples for `alignment`, as if the IMU were mounted as calibrated.
     void align(const types::ImuAlignment& alignment);
@@ -48,9 +59,11 @@ public:
     std::optional<types::KnownRotation> rotation_from(const Eigen::Quaterniond& q_world_imu,
                                                       std::int64_t from_ns,
                                                       std::int64_t to_ns) const;
-    // Returns the gyroscope's integral; nullopt without a gyroscope that covers the interval.
+    // Returns the gyroscope's integral; nullopt without a gyroscope that covers the interval, or
+    // over more than eight seconds.
     std::optional<GyroscopeIntegral> integral(std::int64_t from_ns, std::int64_t to_ns) const;
-    // Returns the preintegrated motion; nullopt without an accelerometer that measures gravity.
+    // Returns the preintegrated motion; nullopt without an accelerometer that measures gravity, or
+    // over more than eight seconds.
     std::optional<PreintegratedImu> motion(std::int64_t from_ns, std::int64_t to_ns) const;
     // Returns q_ahrs_imu, interpolated; nullopt without an AHRS or in a gap.
     std::optional<Eigen::Quaterniond> absolute(std::int64_t time_ns) const;
@@ -71,7 +84,11 @@ public:
     const types::ImuNoise& noise() const { return noise_; }
 
 private:
+    bool imu_is_used(std::int64_t from_ns, std::int64_t to_ns) const;
+
     const types::Recording& recording_;
+    std::vector<types::TimeInterval> imu_left_out_;
+    std::optional<std::int64_t> imu_ends_ns_;
     std::vector<types::ImuSample> imu_;
     std::vector<types::OrientationSample> orientations_;
     bool gyroscope_ = false;

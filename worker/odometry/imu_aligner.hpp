@@ -5,8 +5,7 @@
 
 #include "worker/imu/estimate_alignment.hpp"
 #include "worker/imu/inertial_prior.hpp"
-#include "worker/odometry/register_points.hpp"
-#include "worker/types/rectified_rig.hpp"
+#include "worker/types/sensors_left_out.hpp"
 
 namespace divemesh::odometry {
 
@@ -15,24 +14,20 @@ namespace divemesh::odometry {
 // applied; the bundle adjustment of the whole dive estimates them again.
 class ImuAligner {
 public:
-    explicit ImuAligner(const types::Recording& recording) : samples_(recording.imu()) {}
+    // Searches for time offsets near `time_offset_s`.
+    explicit ImuAligner(const types::Recording& recording,
+                        const types::SensorsLeftOut& left_out = {},
+                        double time_offset_s = 0.0);
 
-    // Adds the rotation over the interval by the inliers of `vision` among `measured`, pairs as
-    // measured by the two frames alone. (Landmarks would not do: the sliding window places them
-    // with the same gyroscope, so its error would confirm itself.) Corrects `inertial` when the
-    // rotations so far are significant: after two seconds, and whenever their number has grown by
-    // half.
-    void watch(const types::RectifiedRig& rig,
-               const PointPairs& measured,
-               const Registration& vision,
-               std::int64_t before_ns,
-               std::int64_t now_ns,
-               imu::InertialPrior& inertial);
+    // Adds a rotation by vision alone. Corrects `inertial` when the rotations so far are
+    // significant: after two seconds, and whenever their number has grown by half.
+    void watch(const imu::VisionMotion& motion, imu::InertialPrior& inertial);
 
     const types::ImuAlignment& alignment() const { return alignment_; }
 
 private:
-    const std::vector<types::ImuSample>& samples_;
+    double start_s_ = 0.0;  // time offset already taken out of the samples
+    std::vector<types::ImuSample> samples_;
     std::vector<imu::VisionRotation> rotations_;
     std::size_t next_size_ = 40;
     types::ImuAlignment alignment_;

@@ -9,6 +9,9 @@ namespace {
 
 // After this time a diver no longer moves as before.
 constexpr double kMaxExtrapolation_s = 0.5;
+// After this time without vision the error of a cheap IMU (0.1 m/s^2 with a bias that is hardly
+// known) is as large as what a camera sees.
+constexpr double kMaxCarried_s = 2.0;
 
 double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
@@ -17,7 +20,13 @@ double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(int
 void MotionModel::start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_world_cam) {
     started_ = true;
     timestamp_ns_ = timestamp_ns;
+    seen_ns_ = timestamp_ns;
     T_world_cam_ = T_world_cam;
+}
+
+// Returns true if vision has not measured the last motions, for longer than the IMU can carry.
+bool MotionModel::is_lost(std::int64_t timestamp_ns) const {
+    return seen_ns_ < timestamp_ns_ && seconds(timestamp_ns - seen_ns_) > kMaxCarried_s;
 }
 
 std::optional<types::KnownRotation> MotionModel::rotation(std::int64_t timestamp_ns) const {
@@ -33,7 +42,8 @@ std::optional<types::KnownRotation> MotionModel::rotation(std::int64_t timestamp
 
 Eigen::Isometry3d MotionModel::predict(const std::optional<types::KnownRotation>& rotation,
                                        std::int64_t timestamp_ns) const {
-    if (inertial_state_)
+    const bool lost = is_lost(timestamp_ns);
+    if (inertial_state_ && !lost)
         if (const auto motion = inertial_.motion(timestamp_ns_, timestamp_ns))
             return predict_by_imu(*motion).inverse();
     const double interval_s = std::min(seconds(timestamp_ns - timestamp_ns_), kMaxExtrapolation_s);
@@ -42,7 +52,7 @@ Eigen::Isometry3d MotionModel::predict(const std::optional<types::KnownRotation>
         (rotation ? rotation->q.conjugate()
                   : base::rotation_from_vector(angular_velocity_cam_ * interval_s))
             .toRotationMatrix();
-    T_previous_current.translation() = velocity_cam_ * interval_s;
+    if (!lost) T_previous_current.translation() = velocity_cam_ * interval_s;
     return T_previous_current.inverse();
 }
 
@@ -62,6 +72,7 @@ Eigen::Isometry3d MotionModel::predict_by_imu(const imu::PreintegratedImu& motio
 void MotionModel::advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns) {
     const Eigen::Isometry3d T_previous_current = T_current_previous.inverse();
     const double interval_s = std::max(seconds(timestamp_ns - timestamp_ns_), 1e-6);
+    if (is_lost(timestamp_ns)) inertial_state_.reset();
     if (inertial_state_) {
         const auto motion = inertial_.motion(timestamp_ns_, timestamp_ns);
         if (motion)

@@ -22,10 +22,13 @@ public:
     // unknown.
     std::optional<types::KnownRotation> rotation(std::int64_t timestamp_ns) const;
     // Returns T_current_previous predicted by the IMU, if velocity and vertical are known; else at
-    // constant velocity, with the inertial sensors' rotation if known.
+    // constant velocity, with the inertial sensors' rotation if known. Two seconds after vision was
+    // lost the position stays, as nothing knows it any more.
     Eigen::Isometry3d predict(const std::optional<types::KnownRotation>& rotation,
                               std::int64_t timestamp_ns) const;
     void advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns);
+    // Tells that vision measured the motion to the last pose.
+    void confirm_by_vision() { seen_ns_ = timestamp_ns_; }
     // Corrects the last pose, and with an IMU the velocity and the vertical.
     void correct(const Eigen::Isometry3d& T_world_cam) { T_world_cam_ = T_world_cam; }
     void correct(const Eigen::Vector3d& velocity_world,
@@ -38,6 +41,7 @@ public:
     std::int64_t timestamp_ns() const { return timestamp_ns_; }
 
 private:
+    bool is_lost(std::int64_t timestamp_ns) const;
     // T_previous_current.
     Eigen::Isometry3d predict_by_imu(const imu::PreintegratedImu& motion) const;
 
@@ -52,6 +56,7 @@ private:
     std::optional<InertialState> inertial_state_;
     bool started_ = false;
     std::int64_t timestamp_ns_ = 0;
+    std::int64_t seen_ns_ = 0;  // when vision last measured a motion
     Eigen::Isometry3d T_world_cam_ = Eigen::Isometry3d::Identity();
     Eigen::Vector3d velocity_cam_ = Eigen::Vector3d::Zero();          // m/s
     Eigen::Vector3d angular_velocity_cam_ = Eigen::Vector3d::Zero();  // rad/s

@@ -37,7 +37,7 @@ public:
           options_(options),
           store_(store),
           progress_(progress),
-          inertial_(recording, options),
+          inertial_(recording, options, track.left_out),
           drift_(track.keyframes, track.landmarks, &inertial_) {}
 
     types::OptimisedTrack run() {

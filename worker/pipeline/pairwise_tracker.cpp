@@ -49,6 +49,7 @@ TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
             : expected;
 
     motion_.advance(T_current_previous, now_ns);
+    if (vision.found) motion_.confirm_by_vision();
     odometry::learn_bias(inertial_, rig_, vision, before_ns, now_ns);
     const bool first = keyframes_.empty();
     first ? summary_.add_first_frame() : summary_.add_frame(tracks, vision, guess);

@@ -43,7 +43,9 @@ types::OptimisedTrack optimise(const types::Track& track,
     types::OptimisedTrack result =
         whole_dive ? optimise_track(track, recording, options, store, progress) : as_tracked(track);
     require_converged(track, result);
-    const auto findings = tracking_findings(track.statistics);
+    auto findings = track.findings;
+    const auto lost = tracking_findings(track.statistics);
+    findings.insert(findings.end(), lost.begin(), lost.end());
     result.findings.insert(result.findings.begin(), findings.begin(), findings.end());
     return result;
 }

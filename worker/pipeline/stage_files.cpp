@@ -104,6 +104,13 @@ void fields(auto& file, Is<types::ImuAlignment> auto& alignment) {
     file.raw(alignment.q_body_imu.coeffs());
 }
 
+void fields(auto& file, Is<types::SensorsLeftOut> auto& left_out) {
+    file.flag(left_out.imu);
+    file.flag(left_out.accelerometer);
+    file.flag(left_out.ahrs);
+    file.vector(left_out.imu_times);
+}
+
 void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {
     fields(file, calibration.imu);
     file.plain(calibration.time_offset_sigma_s);
@@ -127,6 +134,8 @@ void fields(auto& file, Is<types::Track> auto& track) {
     file.list(track.mapped);
     file.list(track.landmarks);
     fields(file, track.imu_alignment);
+    fields(file, track.left_out);
+    file.list(track.findings);
     file.plain(track.statistics);
 }
 

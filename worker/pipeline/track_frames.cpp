@@ -44,6 +44,7 @@ types::Track track_frames(types::Recording& recording,
         result.causal.push_back({frame->timestamp_ns, tracked.T_world_cam * T_cam_imu});
         result.odometry.push_back({frame->timestamp_ns, T_start_cam * T_cam_imu});
         report(progress, result.causal.size(), recording);
+        if (tracker.in_vain()) break;
     }
     writer.finish();
     tracker.move_to(result);

@@ -36,13 +36,15 @@ public:
 
     // Tracks the next frame; frames must come in order.
     virtual TrackedFrame process(const types::RectifiedFrame& frame) = 0;
+    // Returns true if the dive has to be tracked otherwise: the frames that are left are in vain.
+    virtual bool in_vain() const { return false; }
     // Moves keyframes, landmarks, the IMU alignment and statistics to the track.
     virtual void move_to(types::Track& track) = 0;
 };
 
 // Reads all frames of a recording, rectifies them and has `tracker`, whose rig is that of
 // `rectifier`, process each. Writes the frames to map into `store` and reports progress after each
-// frame.
+// frame. Stops early if the tracker says that it works in vain.
 types::Track track_frames(types::Recording& recording,
                           const camera::Rectifier& rectifier,
                           const ReconstructionOptions& options,

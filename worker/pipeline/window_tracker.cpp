@@ -5,11 +5,13 @@
 
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/odometry/frame_features.hpp"
+#include "worker/odometry/motion_by_vision.hpp"
 #include "worker/odometry/predict_orientation.hpp"
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/register_with_rotation.hpp"
 #include "worker/odometry/support.hpp"
 #include "worker/odometry/with_depth_at_both_times.hpp"
+#include "worker/pipeline/sensor_findings.hpp"
 #include "worker/stereo/disparity_search_range.hpp"
 
 namespace divemesh::pipeline {
@@ -22,21 +24,29 @@ std::size_t num_with_depth(const types::Features& features) {
         std::count_if(features.begin(), features.end(), types::has_depth));
 }
 
+// Tracking as stated, by vision alone, with another clock offset or fewer sensors, and without the
+// times in which a sensor contradicted the images.
+constexpr int kMaxAttempts = 5;
+
 }  // namespace
 
 WindowTracker::WindowTracker(const types::RectifiedRig& rig,
                              const types::Recording& recording,
-                             const ReconstructionOptions& options)
+                             const ReconstructionOptions& options,
+                             const imu::SensorPlan& plan)
     : rig_(rig),
       options_(options),
       tracker_(rig, options.num_features),
-      inertial_(recording, options),
-      aligner_(recording),
+      inertial_(recording, options, plan.left_out),
+      aligner_(recording, plan.left_out, plan.time_offset_s),
+      sensors_(recording, options.use_imu && recording.rig().imu_noise, plan),
       map_(rig, inertial_),
       memory_(rig, options.close_loops, options.num_disparities_px),
       mapping_rule_(rig, options.surface ? options.map_step : 0.0),
       motion_(rig, inertial_),
-      moving_(rig) {}
+      moving_(rig) {
+    if (plan.time_offset_s != 0.0) inertial_.align({plan.time_offset_s});
+}
 
 TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
     const std::int64_t now_ns = frame.timestamp_ns;
@@ -60,8 +70,8 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
                      : expected;
 
     motion_.advance(T_current_previous, now_ns);
-    if (options_.align_imu)
-        aligner_.watch(rig_, seen.measured, vision, before_ns, now_ns, inertial_);
+    if (vision.found) motion_.confirm_by_vision();
+    watch_sensors(seen.measured, vision, before_ns, now_ns);
     const bool first = map_.empty();
     first ? summary_.add_first_frame() : summary_.add_frame(seen.tracks, vision, guess);
     // Outliers over a wide baseline are false matches: what moves by itself is too far away.
@@ -165,6 +175,18 @@ std::optional<features::DescribedKeypoints> WindowTracker::keep_keyframe(
     return memory_.keep(frame, features_, motion_.T_world_cam());
 }
 
+void WindowTracker::watch_sensors(const odometry::PointPairs& measured,
+                                  const odometry::Registration& vision,
+                                  std::int64_t before_ns,
+                                  std::int64_t now_ns) {
+    if (map_.empty()) return;
+    if (!vision.found) return sensors_.lost_scene();
+    const auto motion = odometry::motion_by_vision(rig_, measured, vision, before_ns, now_ns);
+    if (!motion) return;
+    if (options_.align_imu) aligner_.watch(*motion, inertial_);
+    sensors_.watch(*motion, inertial_);
+}
+
 void WindowTracker::move_to(types::Track& track) {
     track.statistics = summary_.statistics();
     track.imu_alignment = aligner_.alignment();
@@ -176,8 +198,26 @@ types::Track track_window(types::Recording& recording,
                           const keyframes::KeyframeStore& store,
                           const base::ProgressCallback& progress) {
     const camera::Rectifier rectifier(recording.rig());
-    WindowTracker tracker(rectifier.rig(), recording, options);
-    return track_frames(recording, rectifier, options, store, tracker, progress);
+    imu::SensorPlan plan;
+    for (int attempt = 1;; ++attempt) {
+        WindowTracker tracker(rectifier.rig(), recording, options, plan);
+        types::Track track = track_frames(recording, rectifier, options, store, tracker, progress);
+        auto other = tracker.sensors().restart();
+        if (!other) other = tracker.sensors().restart_at_end();
+        if (!other) {
+            plan = tracker.sensors().plan();
+            track.left_out = plan.left_out;
+            track.findings = sensor_findings(plan);
+            return track;
+        }
+        plan = *other;
+        if (attempt + 1 == kMaxAttempts) {
+            plan.left_out.imu = true;  // then nothing asks for another attempt
+            plan.imu_on_probation = false;
+        }
+        recording.rewind();
+        store.clear();
+    }
 }
 
 }  // namespace divemesh::pipeline

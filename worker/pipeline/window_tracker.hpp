@@ -5,6 +5,7 @@
 #include "schemas/reconstruction_options.hpp"
 #include "worker/features/track_features.hpp"
 #include "worker/imu/inertial_prior.hpp"
+#include "worker/imu/sensor_watch.hpp"
 #include "worker/keyframes/mapping_rule.hpp"
 #include "worker/loops/relocaliser.hpp"
 #include "worker/odometry/dynamic_features.hpp"
@@ -23,10 +24,14 @@ class WindowTracker : public FrameTracker {
 public:
     WindowTracker(const types::RectifiedRig& rig,
                   const types::Recording& recording,
-                  const ReconstructionOptions& options);
+                  const ReconstructionOptions& options,
+                  const imu::SensorPlan& plan);
 
     TrackedFrame process(const types::RectifiedFrame& frame) override;
+    bool in_vain() const override { return sensors_.restart().has_value(); }
     void move_to(types::Track& track) override;
+
+    const imu::SensorWatch& sensors() const { return sensors_; }
 
 private:
     // Steps 2 to 4 for one frame.
@@ -52,6 +57,11 @@ private:
     std::optional<Observed> recognise(const types::RectifiedFrame& frame,
                                       const std::optional<types::KnownRotation>& rotation,
                                       const Eigen::Isometry3d& expected);
+    // Compares the sensors with what vision measured.
+    void watch_sensors(const odometry::PointPairs& measured,
+                       const odometry::Registration& vision,
+                       std::int64_t before_ns,
+                       std::int64_t now_ns);
     // Returns the keypoints of the keyframe; nullopt: loops are not searched for.
     std::optional<features::DescribedKeypoints> keep_keyframe(const types::RectifiedFrame& frame);
 
@@ -60,6 +70,7 @@ private:
     features::FeatureTracker tracker_;
     imu::InertialPrior inertial_;
     odometry::ImuAligner aligner_;
+    imu::SensorWatch sensors_;
     KeyframeMap map_;
     loops::Relocaliser memory_;
     keyframes::MappingRule mapping_rule_;
@@ -69,7 +80,8 @@ private:
     odometry::TrackSummary summary_;
 };
 
-// Tracks all frames of a recording with a sliding window.
+// Tracks all frames of a recording with a sliding window. If a sensor turns out to contradict the
+// images, it starts anew without it, or with the clock's offset that was found.
 types::Track track_window(types::Recording& recording,
                           const ReconstructionOptions& options,
                           const keyframes::KeyframeStore& store,

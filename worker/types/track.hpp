@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <vector>
 
+#include "schemas/finding.hpp"
 #include "worker/types/imu_alignment.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rectified_rig.hpp"
 #include "worker/types/search_outcome.hpp"
+#include "worker/types/sensors_left_out.hpp"
 #include "worker/types/solver_outcome.hpp"
 
 namespace divemesh::types {
@@ -39,6 +41,8 @@ struct Track {
     std::vector<Keyframe> mapped;  // frames with depth in the store: keyframes and some between
     std::vector<Landmark> landmarks;
     ImuAlignment imu_alignment;  // as estimated during tracking
+    SensorsLeftOut left_out;     // the sensors' data that the later steps must not use
+    std::vector<Finding> findings;
     TrackStatistics statistics;
 };
 

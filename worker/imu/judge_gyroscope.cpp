@@ -1,0 +1,285 @@
+#include "worker/imu/judge_gyroscope.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "worker/base/rotation_vector.hpp"
+#include "worker/imu/gyroscope_path.hpp"
+#include "worker/stats/median.hpp"
+
+namespace divemesh::imu {
+namespace {
+
+constexpr std::int64_t kMinSpan_ns = 300'000'000;
+constexpr std::size_t kMinSpans = 16;  // five seconds
+constexpr std::size_t kMaxSpans = 40;  // what is wrong for twelve seconds is found then
+// A far offset has a hundred chances to fit by accident, so it needs ten seconds.
+constexpr std::size_t kMinSpansToShift = 32;
+constexpr double kMinCovered = 0.6;  // share of the spans that samples cover
+constexpr double kStep_s = 0.02;
+constexpr double kMinRate_rad_s = 0.02;  // RMS; below this noise dominates
+constexpr double kNoise_rad_s = 0.008;   // of vision over a span, at worst
+constexpr double kFits = 0.1;            // unexplained shares
+constexpr double kContradicts = 0.25;
+// Another offset must explain this much more than the best near one.
+constexpr double kClearlyBetter = 0.4;
+constexpr double kMaxTilt_rad = 20.0 * std::numbers::pi / 180.0;
+constexpr double kRotationPrior = 0.05;  // of the correlation: holds axes without rotation
+constexpr double kHuber = 3.0;           // in medians of the residuals' norms
+constexpr int kNumReweightings = 3;
+
+// The rates of both at one time offset.
+struct Rates {
+    std::vector<Eigen::Vector3d> vision;
+    std::vector<Eigen::Vector3d> gyroscope;
+};
+
+std::optional<Rates> rates_at(const GyroscopePath& path,
+                              const std::vector<TurnSpan>& spans,
+                              double offset_s) {
+    const std::int64_t shift_ns = std::llround(1e9 * offset_s);
+    Rates rates;
+    for (const TurnSpan& span : spans) {
+        const std::int64_t from_ns = span.from_ns + shift_ns;
+        const std::int64_t to_ns = span.to_ns + shift_ns;
+        if (!path.covers(from_ns, to_ns)) continue;
+        rates.vision.push_back(span.rate_body);
+        rates.gyroscope.push_back(path.rotation(from_ns, to_ns) /
+                                  (1e-9 * static_cast<double>(to_ns - from_ns)));
+    }
+    const auto num_covered = static_cast<double>(rates.vision.size());
+    if (num_covered < static_cast<double>(kMinSpans) ||
+        num_covered < kMinCovered * static_cast<double>(spans.size()))
+        return std::nullopt;
+    return rates;
+}
+
+// Weighted second moments of both rates about their means; rad^2/s^2.
+struct Moments {
+    Eigen::Matrix3d gyroscope_vision = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d gyroscope = Eigen::Matrix3d::Zero();
+    Eigen::Matrix3d vision = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d mean_gyroscope = Eigen::Vector3d::Zero();
+    Eigen::Vector3d mean_vision = Eigen::Vector3d::Zero();
+};
+
+Moments moments_of(const Rates& rates, const std::vector<double>& weights) {
+    Moments moments;
+    double sum = 0.0;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        moments.mean_gyroscope += weights[i] * rates.gyroscope[i];
+        moments.mean_vision += weights[i] * rates.vision[i];
+        sum += weights[i];
+    }
+    moments.mean_gyroscope /= sum;
+    moments.mean_vision /= sum;
+    for (std::size_t i = 0; i < weights.size(); ++i) {
+        const Eigen::Vector3d g = rates.gyroscope[i] - moments.mean_gyroscope;
+        const Eigen::Vector3d v = rates.vision[i] - moments.mean_vision;
+        moments.gyroscope_vision += weights[i] / sum * g * v.transpose();
+        moments.gyroscope += weights[i] / sum * g * g.transpose();
+        moments.vision += weights[i] / sum * v * v.transpose();
+    }
+    return moments;
+}
+
+// Returns the rotation that maps the gyroscope's rates to those of vision, near `given`.
+Eigen::Matrix3d nearby_rotation(const Moments& moments, const Eigen::Matrix3d& given) {
+    const double size = std::sqrt(moments.gyroscope.trace() * moments.vision.trace());
+    const Eigen::Matrix3d correlation =
+        given * moments.gyroscope_vision + kRotationPrior * size * Eigen::Matrix3d::Identity();
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation,
+                                                Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Eigen::Matrix3d signs = Eigen::Matrix3d::Identity();
+    signs(2, 2) = svd.matrixU().determinant() * svd.matrixV().determinant() < 0.0 ? -1.0 : 1.0;
+    const Eigen::AngleAxisd tilt(
+        Eigen::Matrix3d(svd.matrixV() * signs * svd.matrixU().transpose()));
+    return Eigen::AngleAxisd(std::min(tilt.angle(), kMaxTilt_rad), tilt.axis()) * given;
+}
+
+// How well the gyroscope fits vision under one mounting.
+struct Fit {
+    double offset_s = 0.0;
+    double unexplained = 1.0;  // share, of the worst axis
+    double scale = 1.0;
+    double rate_rad_s = 0.0;  // RMS of the larger of the two
+};
+
+double unexplained_share(const Moments& moments, const Eigen::Matrix3d& mounting) {
+    const Eigen::Vector3d cross = (mounting * moments.gyroscope_vision).diagonal();
+    const Eigen::Vector3d gyroscope =
+        (mounting * moments.gyroscope * mounting.transpose()).diagonal();
+    const Eigen::Vector3d vision = moments.vision.diagonal();
+    constexpr double kNoise_rad2_s2 = kNoise_rad_s * kNoise_rad_s;
+    double worst = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double motion = std::max(gyroscope[axis], vision[axis]);
+        if (motion < kMinRate_rad_s * kMinRate_rad_s) continue;
+        const double residual = gyroscope[axis] + vision[axis] - 2.0 * cross[axis];
+        worst = std::max(worst, (residual - kNoise_rad2_s2) / motion);
+    }
+    return worst;
+}
+
+// Returns the weights that make spans that do not fit count less.
+std::vector<double> huber_weights(const Rates& rates,
+                                  const Moments& moments,
+                                  const Eigen::Matrix3d& mounting) {
+    std::vector<double> norms;
+    for (std::size_t i = 0; i < rates.vision.size(); ++i)
+        norms.push_back((rates.vision[i] - moments.mean_vision -
+                         mounting * (rates.gyroscope[i] - moments.mean_gyroscope))
+                            .norm());
+    const double limit = kHuber * std::max(stats::upper_median(norms), 1e-6);
+    for (double& norm : norms) norm = norm > limit ? limit / norm : 1.0;
+    return norms;
+}
+
+Fit fit_at(const Rates& rates, double offset_s, const Eigen::Matrix3d& given) {
+    std::vector<double> weights(rates.vision.size(), 1.0);
+    Moments moments;
+    Eigen::Matrix3d mounting = given;
+    for (int i = 0; i < kNumReweightings; ++i) {
+        moments = moments_of(rates, weights);
+        mounting = nearby_rotation(moments, given);
+        weights = huber_weights(rates, moments, mounting);
+    }
+    Fit fit;
+    fit.offset_s = offset_s;
+    fit.unexplained = unexplained_share(moments, mounting);
+    fit.rate_rad_s = std::sqrt(std::max(moments.gyroscope.trace(), moments.vision.trace()));
+    const double both = (mounting * moments.gyroscope_vision).trace();
+    fit.scale = moments.gyroscope.trace() / std::max(both, 1e-12);
+    return fit;
+}
+
+// Returns the best fit among the offsets up to `reach_s`; nullopt if samples cover too few spans.
+std::optional<Fit> best_fit(const GyroscopePath& path,
+                            const std::vector<TurnSpan>& spans,
+                            double reach_s,
+                            const Eigen::Matrix3d& mounting) {
+    std::optional<Fit> best;
+    const int num_steps = static_cast<int>(std::lround(reach_s / kStep_s));
+    for (int step = -num_steps; step <= num_steps; ++step) {
+        const double offset_s = kStep_s * step;
+        const auto rates = rates_at(path, spans, offset_s);
+        if (!rates) continue;
+        const Fit fit = fit_at(*rates, offset_s, mounting);
+        if (!best || fit.unexplained < best->unexplained) best = fit;
+    }
+    return best;
+}
+
+constexpr std::array<const char*, 3> kAxisNames = {"x", "y", "z"};
+
+// Returns the axes of which `picked` is true: "x and z".
+template <typename Picked>
+std::string axes_where(const Picked& picked) {
+    std::string names;
+    for (int axis = 0; axis < 3; ++axis)
+        if (picked(axis))
+            names += (names.empty() ? "" : " and ") +
+                     std::string(kAxisNames[static_cast<std::size_t>(axis)]);
+    return names;
+}
+
+// Calls visit(mounting) for the 48 ways in which axes can be exchanged and mirrored.
+template <typename Visit>
+void for_each_mounting(const Visit& visit) {
+    std::array<int, 3> order = {0, 1, 2};
+    do {
+        for (unsigned signs = 0; signs < 8; ++signs) {
+            Eigen::Matrix3d mounting = Eigen::Matrix3d::Zero();
+            for (int row = 0; row < 3; ++row)
+                mounting(row, order[static_cast<std::size_t>(row)]) =
+                    ((signs >> static_cast<unsigned>(row)) & 1U) != 0U ? -1.0 : 1.0;
+            visit(mounting);
+        }
+    } while (std::next_permutation(order.begin(), order.end()));
+}
+
+void name_mounting(const Eigen::Matrix3d& mounting, GyroscopeJudgement& judgement) {
+    const bool mirrored = mounting.determinant() < 0.0;
+    judgement.fault = mirrored ? GyroscopeFault::Mirrored : GyroscopeFault::Turned;
+    judgement.axes = axes_where([&](int axis) { return mounting(axis, axis) != 1.0; });
+}
+
+// Finds what explains the contradiction: other axes, or another scale.
+void explain(const GyroscopePath& path,
+             const std::vector<TurnSpan>& spans,
+             const Fit& near,
+             GyroscopeJudgement& judgement) {
+    judgement.fault = GyroscopeFault::Unexplained;
+    double least = kFits;
+    for_each_mounting([&](const Eigen::Matrix3d& mounting) {
+        const auto fit = best_fit(path, spans, kNearOffset_s, mounting);
+        if (!fit || fit->unexplained >= least) return;
+        least = fit->unexplained;
+        name_mounting(mounting, judgement);
+    });
+    if (judgement.fault != GyroscopeFault::Unexplained) return;
+    const auto scaled = best_fit(
+        path, spans, kNearOffset_s, Eigen::Matrix3d(Eigen::Matrix3d::Identity() / near.scale));
+    if (!scaled || scaled->unexplained >= kFits) return;
+    judgement.fault = GyroscopeFault::Scaled;
+    judgement.scale = near.scale;
+}
+
+bool is_at_edge(const Fit& near) { return std::abs(near.offset_s) > kNearOffset_s - 0.5 * kStep_s; }
+
+}  // namespace
+
+void TurnSpans::add(const VisionRotation& rotation) {
+    if (open_.to_ns == rotation.from_ns && open_.to_ns > open_.from_ns) {
+        open_.q_from_to = open_.q_from_to * rotation.q_from_to;
+        open_.to_ns = rotation.to_ns;
+    } else {
+        open_ = rotation;
+    }
+    if (open_.to_ns - open_.from_ns < kMinSpan_ns) return;
+    spans_.push_back({open_.from_ns,
+                      open_.to_ns,
+                      base::vector_from_rotation(open_.q_from_to.normalized()) /
+                          (1e-9 * static_cast<double>(open_.to_ns - open_.from_ns))});
+    open_ = {};
+}
+
+GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
+                                   const std::vector<TurnSpan>& spans) {
+    GyroscopeJudgement judgement;
+    if (spans.size() < kMinSpans) return judgement;
+    const std::vector<TurnSpan> last(
+        spans.end() - static_cast<std::ptrdiff_t>(std::min(spans.size(), kMaxSpans)), spans.end());
+    const std::int64_t reach_ns = std::llround(1e9 * (kMaxOffset_s + kStep_s));
+    const GyroscopePath path(
+        samples, last.front().from_ns - reach_ns, last.back().to_ns + reach_ns);
+    const Eigen::Matrix3d as_mounted = Eigen::Matrix3d::Identity();
+    const auto near = best_fit(path, last, kNearOffset_s, as_mounted);
+    if (!near || near->rate_rad_s < kMinRate_rad_s) return judgement;
+    judgement.time_offset_s = near->offset_s;
+    judgement.unexplained_share = near->unexplained;
+    if (near->unexplained < kFits && !is_at_edge(*near)) {
+        judgement.fit = GyroscopeFit::Fits;
+        return judgement;
+    }
+    if (last.size() < kMinSpansToShift) return judgement;
+    const auto far = best_fit(path, last, kMaxOffset_s, as_mounted);
+    if (far && far->unexplained < kFits && far->unexplained < kClearlyBetter * near->unexplained) {
+        judgement.fit = std::abs(far->offset_s) > kNearOffset_s ? GyroscopeFit::FitsShifted
+                                                                : GyroscopeFit::Fits;
+        judgement.time_offset_s = far->offset_s;
+        return judgement;
+    }
+    if (near->unexplained < kFits) judgement.fit = GyroscopeFit::Fits;
+    if (near->unexplained <= kContradicts) return judgement;
+    judgement.fit = GyroscopeFit::Contradicts;
+    explain(path, last, *near, judgement);
+    return judgement;
+}
+
+}  // namespace divemesh::imu

@@ -1,0 +1,112 @@
+#include "worker/imu/sensor_watch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace divemesh::imu {
+namespace {
+
+constexpr std::size_t kFirstJudgement = 16;  // spans
+constexpr std::size_t kJudgementStep = 4;
+constexpr int kNumLost = 3;  // frames in a row: the scene is lost, not one image spoilt
+
+std::vector<types::ImuSample> shifted(const std::vector<types::ImuSample>& samples,
+                                      double offset_s) {
+    return offset_s == 0.0 ? samples : aligned(samples, {offset_s});
+}
+
+}  // namespace
+
+SensorWatch::SensorWatch(const types::Recording& recording, bool used, const SensorPlan& plan)
+    : plan_(plan),
+      samples_(used ? shifted(without(plan.left_out.imu_times, recording.imu()), plan.time_offset_s)
+                    : std::vector<types::ImuSample>{}),
+      gravity_(samples_),
+      next_judgement_(kFirstJudgement) {}
+
+void SensorWatch::watch(const VisionMotion& motion, InertialPrior& inertial) {
+    num_lost_ = 0;
+    const bool judged_already = plan_.left_out.imu && !plan_.imu_on_probation;
+    if (samples_.empty() || judged_already || restart_) return;
+    turns_.add(motion.rotation());
+    gravity_.add(motion);
+    if (turns_.spans().size() < next_judgement_) return;
+    next_judgement_ = turns_.spans().size() + kJudgementStep;
+    judge(inertial);
+}
+
+void SensorWatch::lost_scene() {
+    if (++num_lost_ < kNumLost || samples_.empty()) return;
+    if (confirmed_ || plan_.left_out.imu || restart_) return;
+    start_anew(false);
+    restart_->imu_on_probation = true;
+}
+
+void SensorWatch::start_anew(bool with_imu) {
+    restart_ = plan_;
+    restart_->imu_on_probation = false;
+    restart_->left_out.imu = !with_imu;
+}
+
+void SensorWatch::judge(InertialPrior& inertial) {
+    take(judge_gyroscope(samples_, turns_.spans()), inertial);
+    if (confirmed_ && !contradicts_now_ && !plan_.left_out.accelerometer) judge_accelerometer();
+    if (confirmed_ && plan_.imu_on_probation && !restart_) start_anew(true);
+}
+
+void SensorWatch::take(const GyroscopeJudgement& judgement, InertialPrior& inertial) {
+    switch (judgement.fit) {
+        case GyroscopeFit::Unknown: return;
+        case GyroscopeFit::Fits:
+            confirmed_ = true;
+            contradicts_now_ = false;
+            inertial.leave_out_from(std::nullopt);
+            return;
+        case GyroscopeFit::FitsShifted:
+            if (confirmed_) return contradicted(judgement, inertial);
+            start_anew(true);
+            restart_->time_offset_s += judgement.time_offset_s;
+            restart_->gyroscope = judgement;
+            return;
+        case GyroscopeFit::Contradicts: return contradicted(judgement, inertial);
+    }
+}
+
+// Leaves the IMU out: as a whole if it has never fitted, else for the time.
+void SensorWatch::contradicted(const GyroscopeJudgement& judgement, InertialPrior& inertial) {
+    if (!confirmed_) {
+        const bool is_used = !plan_.left_out.imu;
+        plan_.imu_on_probation = false;
+        plan_.left_out.imu = true;
+        plan_.gyroscope = judgement;
+        if (is_used) start_anew(false);
+        return;
+    }
+    const auto& spans = turns_.spans();
+    const std::size_t first = spans.size() - std::min(spans.size(), kFirstJudgement);
+    if (contradicted_.empty()) first_contradiction_ = judgement;
+    if (!contradicts_now_) contradicted_.push_back({spans[first].from_ns, spans.back().to_ns});
+    contradicted_.back().to_ns = spans.back().to_ns;
+    contradicts_now_ = true;
+    inertial.leave_out_from(spans.back().to_ns);
+}
+
+void SensorWatch::judge_accelerometer() {
+    const auto disagreement = gravity_.disagreement_m_s2();
+    if (!disagreement || *disagreement < kMaxGravityDisagreement_m_s2) return;
+    start_anew(true);
+    restart_->left_out.accelerometer = true;
+    restart_->gravity_disagreement_m_s2 = *disagreement;
+}
+
+std::optional<SensorPlan> SensorWatch::restart_at_end() const {
+    if (contradicted_.empty()) return std::nullopt;
+    SensorPlan plan = plan_;
+    plan.gyroscope = first_contradiction_;
+    const std::int64_t shift_ns = std::llround(1e9 * plan_.time_offset_s);
+    for (const types::TimeInterval& time : contradicted_)
+        plan.left_out.imu_times.push_back({time.from_ns + shift_ns, time.to_ns + shift_ns});
+    return plan;
+}
+
+}  // namespace divemesh::imu

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "worker/imu/inertial_prior.hpp"
+#include "worker/imu/judge_accelerometer.hpp"
+#include "worker/imu/judge_gyroscope.hpp"
+#include "worker/types/recording.hpp"
+#include "worker/types/sensors_left_out.hpp"
+
+namespace divemesh::imu {
+
+// How the sensors of a dive are used while it is tracked.
+struct SensorPlan {
+    types::SensorsLeftOut left_out;
+    double time_offset_s = 0.0;  // with which tracking starts, as in ImuAlignment
+    // The scene was lost before vision had confirmed the IMU: vision goes on alone until it has.
+    bool imu_on_probation = false;
+    GyroscopeJudgement gyroscope;            // why the plan differs from the dive as stated
+    double gravity_disagreement_m_s2 = 0.0;  // likewise, of the accelerometer
+};
+
+// A watch over the sensors while a dive is tracked. It compares them with motions that vision alone
+// measured and says when the dive has to be tracked anew with another plan: a clock offset that
+// tracking cannot mend by itself, a sensor that contradicts the images, or an IMU that was left out
+// and fits after all.
+class SensorWatch {
+public:
+    // `used`: the dive is to be reconstructed with its IMU.
+    SensorWatch(const types::Recording& recording, bool used, const SensorPlan& plan);
+
+    // Takes in a motion measured by vision alone. Leaves the IMU out of `inertial` for the time in
+    // which it contradicts vision.
+    void watch(const VisionMotion& motion, InertialPrior& inertial);
+    // Takes in that vision lost the scene in a frame.
+    void lost_scene();
+
+    // Returns the plan, with what was learnt about the sensors.
+    const SensorPlan& plan() const { return plan_; }
+    // Returns the plan with which to start the dive anew, now.
+    const std::optional<SensorPlan>& restart() const { return restart_; }
+    // Returns the plan with which to start the dive anew after its last frame.
+    std::optional<SensorPlan> restart_at_end() const;
+
+private:
+    void judge(InertialPrior& inertial);
+    void start_anew(bool with_imu);
+    void take(const GyroscopeJudgement& judgement, InertialPrior& inertial);
+    void contradicted(const GyroscopeJudgement& judgement, InertialPrior& inertial);
+    void judge_accelerometer();
+
+    SensorPlan plan_;
+    std::vector<types::ImuSample> samples_;  // as stated, with the plan's time offset
+    TurnSpans turns_;
+    GravityByVision gravity_;
+    std::size_t next_judgement_;
+    bool confirmed_ = false;
+    int num_lost_ = 0;  // frames in a row
+    std::optional<SensorPlan> restart_;
+    // Times in which a confirmed IMU contradicted vision, and why first.
+    std::vector<types::TimeInterval> contradicted_;
+    bool contradicts_now_ = false;
+    GyroscopeJudgement first_contradiction_;
+};
+
+}  // namespace divemesh::imu

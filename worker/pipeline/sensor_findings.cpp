@@ -1,0 +1,113 @@
+#include "worker/pipeline/sensor_findings.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "worker/base/text.hpp"
+
+namespace divemesh::pipeline {
+namespace {
+
+constexpr const char* kImuTable = "mav0/imu0/data.csv";
+
+std::string percent(double share) { return base::fixed(100.0 * share, 0) + " %"; }
+
+std::string axis_or_axes(const std::string& axes) {
+    return (axes.size() > 1 ? "axes " : "axis ") + axes;
+}
+
+// Names what is likely to be wrong with the gyroscope.
+std::string cause(const imu::GyroscopeJudgement& judgement) {
+    switch (judgement.fault) {
+        case imu::GyroscopeFault::Mirrored:
+            return "the " + axis_or_axes(judgement.axes) + " of the IMU " +
+                   (judgement.axes.size() > 1 ? "are exchanged or mirrored" : "is mirrored");
+        case imu::GyroscopeFault::Turned:
+            return "the IMU is mounted otherwise than T_BS says: its " +
+                   axis_or_axes(judgement.axes) + " point elsewhere";
+        case imu::GyroscopeFault::Scaled:
+            return "the gyroscope's rates are " + base::fixed(judgement.scale, 2) +
+                   " times those of the images: wrong units, a range that is exceeded, or missing "
+                   "rows";
+        case imu::GyroscopeFault::None:
+        case imu::GyroscopeFault::Unexplained: break;
+    }
+    return "the clocks of cameras and IMU differ by more than " +
+           base::fixed(imu::kMaxOffset_s, 0) + " s, or the IMU belongs to another dive";
+}
+
+std::string mismatch(const imu::GyroscopeJudgement& judgement) {
+    return "the rotations of the gyroscope do not match those of the images (mismatch " +
+           percent(std::sqrt(judgement.unexplained_share)) + ")";
+}
+
+Finding imu_left_out(const imu::GyroscopeJudgement& judgement) {
+    return {
+        Severity::Warning,
+        "imu_left_out",
+        kImuTable,
+        mismatch(judgement) + "; likely cause: " + cause(judgement) +
+            ". The dive was reconstructed without its IMU",
+        "check the IMU's table, its axes and its clock; nothing but the cameras' baseline tells "
+        "the scale now, and the vertical is that of the first image"};
+}
+
+Finding imu_left_out_for_a_time(const imu::SensorPlan& plan) {
+    double seconds = 0.0;
+    for (const types::TimeInterval& time : plan.left_out.imu_times)
+        seconds += 1e-9 * static_cast<double>(time.to_ns - time.from_ns);
+    return {Severity::Warning,
+            "imu_left_out_for_a_time",
+            kImuTable,
+            mismatch(plan.gyroscope) + " for " + base::fixed(seconds, 0) + " s; likely cause: " +
+                cause(plan.gyroscope) + " there. The IMU was left out for that time",
+            "check the rows of the IMU's table at that time"};
+}
+
+Finding imu_not_confirmed() {
+    return {Severity::Warning,
+            "imu_left_out",
+            kImuTable,
+            "the scene was lost with the IMU's predictions before images could confirm them, and "
+            "the dive rotates too little to test the gyroscope. The dive was reconstructed without "
+            "its IMU",
+            "check the IMU's table, its axes and its clock; turn the rig for some seconds at the "
+            "start of a dive"};
+}
+
+Finding accelerometer_left_out(double disagreement_m_s2) {
+    return {Severity::Warning,
+            "accelerometer_left_out",
+            kImuTable,
+            "gravity as the accelerometer measures it turns with the rig: it moves by " +
+                base::fixed(disagreement_m_s2, 1) +
+                " m/s^2 (median) while the images' orientation is followed; likely cause: the "
+                "accelerometer's axes are not those of the gyroscope, or its units are wrong. Only "
+                "the gyroscope was used",
+            "check sign, order and units of the accelerometer's columns"};
+}
+
+Finding clock_offset(double offset_s) {
+    return {Severity::Warning,
+            "imu_clock_offset",
+            kImuTable,
+            "the IMU's clock is " + base::fixed(1000.0 * std::abs(offset_s), 0) + " ms " +
+                (offset_s > 0.0 ? "ahead of" : "behind") +
+                " that of the cameras. Its rows were shifted by as much",
+            "correct the clock, or the table's time stamps"};
+}
+
+}  // namespace
+
+std::vector<Finding> sensor_findings(const imu::SensorPlan& plan) {
+    std::vector<Finding> findings;
+    if (plan.imu_on_probation) return {imu_not_confirmed()};
+    if (plan.left_out.imu) return {imu_left_out(plan.gyroscope)};
+    if (plan.time_offset_s != 0.0) findings.push_back(clock_offset(plan.time_offset_s));
+    if (!plan.left_out.imu_times.empty()) findings.push_back(imu_left_out_for_a_time(plan));
+    if (plan.left_out.accelerometer)
+        findings.push_back(accelerometer_left_out(plan.gravity_disagreement_m_s2));
+    return findings;
+}
+
+}  // namespace divemesh::pipeline
