@@ -4,6 +4,7 @@
 
 #include "worker/base/text.hpp"
 #include "worker/dive/calibration.hpp"
+#include "worker/dive/common_clock.hpp"
 #include "worker/dive/dive_json.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/sensor_tables.hpp"
@@ -44,7 +45,9 @@ private:
     void check_coverage(const Samples& samples, const std::string& sensor, const std::string& file);
 
     std::optional<std::string> read_text(const std::string& file, std::int64_t max_bytes);
-    std::vector<CameraRow> read_camera_rows(const std::string& camera);
+    std::vector<CameraRow> read_camera_rows(const std::string& camera, TableClock& clock);
+    template <typename Rows>
+    void add_clock(const std::string& file, const TableClock& clock, Rows& rows);
     std::optional<CalibratedCamera> read_camera(const std::string& camera);
     std::optional<SensorYaml> read_yaml(const std::string& file);
     // Returns T_BS of a sensor; its sensor.yaml may be missing.
@@ -54,6 +57,7 @@ private:
     const DiveLimits& limits_;
     FindingLog& findings_;
     DiveContents contents_;
+    std::vector<SteppedTable> stepped_;
 };
 
 std::optional<std::string> ContentsReader::read_text(const std::string& file,
@@ -94,10 +98,19 @@ void ContentsReader::read_sensors() {
         return read_text("mav0/" + sensor + "/data.csv", limits_.max_file_bytes);
     };
     const auto name = [](const std::string& sensor) { return "mav0/" + sensor + "/data.csv"; };
-    if (const auto csv = text("imu0")) contents_.imu = parse_imu(*csv, name("imu0"), findings_);
-    if (const auto csv = text("ahrs0")) contents_.ahrs = parse_ahrs(*csv, name("ahrs0"), findings_);
-    if (const auto csv = text("pressure0"))
-        contents_.pressure = parse_pressure(*csv, name("pressure0"), findings_);
+    TableClock clock;
+    if (const auto csv = text("imu0")) {
+        contents_.imu = parse_imu(*csv, name("imu0"), findings_, &clock);
+        add_clock(name("imu0"), clock, contents_.imu);
+    }
+    if (const auto csv = text("ahrs0")) {
+        contents_.ahrs = parse_ahrs(*csv, name("ahrs0"), findings_, &clock);
+        add_clock(name("ahrs0"), clock, contents_.ahrs);
+    }
+    if (const auto csv = text("pressure0")) {
+        contents_.pressure = parse_pressure(*csv, name("pressure0"), findings_, &clock);
+        add_clock(name("pressure0"), clock, contents_.pressure);
+    }
     const std::string truth = "state_groundtruth_estimate0";
     if (const auto csv = text(truth))
         contents_.ground_truth = parse_ground_truth(*csv, name(truth), findings_);
@@ -107,7 +120,18 @@ void ContentsReader::read_sensors() {
                        "there is no IMU, so the trajectory comes from vision alone");
 }
 
-std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camera) {
+// Notes a table whose clock was set back; `rows` has to outlive this object's reading.
+template <typename Rows>
+void ContentsReader::add_clock(const std::string& file, const TableClock& clock, Rows& rows) {
+    if (clock.steps.empty()) return;
+    stepped_.push_back({file, clock, [&rows](std::int64_t from_ns, std::int64_t shift_ns) {
+                            for (auto& row : rows)
+                                if (row.timestamp_ns >= from_ns) row.timestamp_ns += shift_ns;
+                        }});
+}
+
+std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camera,
+                                                        TableClock& clock) {
     const std::string file = "mav0/" + camera + "/data.csv";
     const auto text = read_text(file, limits_.max_file_bytes);
     if (!text) {
@@ -120,7 +144,7 @@ std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camer
                             "Put the list of images (timestamp [ns],filename) there.");
         return {};
     }
-    auto rows = parse_camera_rows(*text, camera, findings_);
+    auto rows = parse_camera_rows(*text, camera, findings_, &clock);
     if (rows.empty())
         findings_.error("dive_empty",
                         file,
@@ -130,8 +154,14 @@ std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camer
 }
 
 void ContentsReader::read_pairs() {
-    const auto left = read_camera_rows("cam0");
-    const auto right = read_camera_rows("cam1");
+    TableClock left_clock;
+    TableClock right_clock;
+    auto left = read_camera_rows("cam0", left_clock);
+    auto right = read_camera_rows("cam1", right_clock);
+    add_clock("mav0/cam0/data.csv", left_clock, left);
+    add_clock("mav0/cam1/data.csv", right_clock, right);
+    join_clocks(stepped_, findings_);
+    stepped_.clear();
     contents_.pairs = match_pairs(left, right, findings_);
 }
 
@@ -233,6 +263,9 @@ void ContentsReader::check_times() {
     check_coverage(contents_.pressure, "pressure", "mav0/pressure0" + data);
     check_coverage(
         contents_.ground_truth, "ground_truth", "mav0/state_groundtruth_estimate0" + data);
+    std::vector<std::int64_t> frames_ns;
+    for (const FramePair& pair : contents_.pairs) frames_ns.push_back(pair.timestamp_ns);
+    report_pauses(frames_ns, contents_.imu, findings_);
 }
 
 }  // namespace

@@ -15,13 +15,6 @@ constexpr double kMinPeriod_s = 1e-3;  // 1000 images a second
 constexpr std::int64_t kMaxOffset_ns = 5'000'000;
 constexpr std::int64_t kReportedOffset_ns = 1'000'000;
 
-std::vector<std::int64_t> stamps(const std::vector<CameraRow>& rows) {
-    std::vector<std::int64_t> result;
-    result.reserve(rows.size());
-    for (const CameraRow& row : rows) result.push_back(row.timestamp_ns);
-    return result;
-}
-
 std::string range(const std::vector<CameraRow>& rows) {
     return std::to_string(rows.front().timestamp_ns) + " to " +
            std::to_string(rows.back().timestamp_ns);
@@ -59,18 +52,24 @@ void report_pairs(const std::vector<CameraRow>& left,
 
 std::vector<CameraRow> parse_camera_rows(std::string_view text,
                                          const std::string& camera,
-                                         FindingLog& findings) {
+                                         FindingLog& findings,
+                                         TableClock* clock) {
     const std::string folder = "mav0/" + camera + "/";
     StampCheck check(camera, folder + "data.csv", findings);
     std::vector<CameraRow> rows;
+    std::vector<std::int64_t> lines;
     for_each_csv_row(text, [&](std::int64_t line, std::span<const std::string_view> fields) {
         const auto timestamp = check.accept(line, fields[0]);
         if (!timestamp) return;
         if (fields.size() < 2 || !entry_name_problem(fields[1]).empty())
             return check.count_malformed(line);
         rows.push_back({*timestamp, folder + "data/" + std::string(fields[1])});
+        lines.push_back(line);
     });
-    check.report(stamps(rows), kMinPeriod_s);
+    const TableClock found = check.sort(
+        rows, lines, [](const CameraRow& a, const CameraRow& b) { return a.file == b.file; });
+    if (clock) *clock = found;
+    check.report(timestamps_of(rows), kMinPeriod_s);
     return rows;
 }
 
@@ -79,7 +78,7 @@ std::vector<FramePair> match_pairs(const std::vector<CameraRow>& left,
                                    FindingLog& findings) {
     std::vector<FramePair> pairs;
     if (left.empty() || right.empty()) return pairs;
-    const std::int64_t half_period_ns = median_period_ns(stamps(left)) / 2;
+    const std::int64_t half_period_ns = median_period_ns(timestamps_of(left)) / 2;
     const std::int64_t tolerance_ns =
         half_period_ns > 0 ? std::min(kMaxOffset_ns, half_period_ns) : kMaxOffset_ns;
     const auto offset_ns = [&](std::size_t l, std::size_t r) {

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "worker/dive/clock_steps.hpp"
 #include "worker/dive/finding_log.hpp"
 
 namespace divemesh::dive {
@@ -22,10 +23,12 @@ struct FramePair {
     std::string right;
 };
 
-// Parses a camera's data.csv; bad rows are reported as findings.
+// Parses a camera's data.csv; bad rows are reported as findings. Rows are in the order of time;
+// where the clock was set back they are moved, and `clock` says where.
 std::vector<CameraRow> parse_camera_rows(std::string_view text,
                                          const std::string& camera,
-                                         FindingLog& findings);
+                                         FindingLog& findings,
+                                         TableClock* clock = nullptr);
 
 // Pairs each left image with the nearest right one, at most half a frame period and 5 ms away.
 // Images without a partner are counted in a finding; if there is no pair at all, that is an error.

@@ -11,6 +11,7 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/text.hpp"
 #include "worker/camera/projection.hpp"
+#include "worker/dive/stamp_check.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::dive {
@@ -20,6 +21,7 @@ constexpr int kNumMoments = 12;
 constexpr double kMaxInterval_s = 0.5;
 constexpr double kEnough_rad = 3.0 * std::numbers::pi / 180.0;
 constexpr int kMinPoints = 25;
+constexpr std::int64_t kGapPeriods = 5;  // a longer interval of the gyro is a gap
 
 // Two frames a short time apart and the rotation between them from the gyro.
 struct Moment {
@@ -29,16 +31,19 @@ struct Moment {
     Eigen::Vector3d rotation_imu = Eigen::Vector3d::Zero();  // rad
 };
 
-// Returns the rotation vector of imu at `end_ns` in imu at `begin_ns`.
-Eigen::Vector3d integrate_gyro(const std::vector<types::ImuSample>& imu,
-                               std::int64_t begin_ns,
-                               std::int64_t end_ns) {
+// Returns the rotation vector of imu at `end_ns` in imu at `begin_ns`; nullopt over a gap of the
+// IMU, where the rotation is not known.
+std::optional<Eigen::Vector3d> integrate_gyro(const std::vector<types::ImuSample>& imu,
+                                              std::int64_t begin_ns,
+                                              std::int64_t end_ns,
+                                              std::int64_t max_interval_ns) {
     auto sample = std::lower_bound(
         imu.begin(), imu.end(), begin_ns, [](const types::ImuSample& s, std::int64_t time) {
             return s.timestamp_ns < time;
         });
     Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
     for (std::int64_t now = begin_ns; sample != imu.end() && now < end_ns; ++sample) {
+        if (sample->timestamp_ns - now > max_interval_ns) return std::nullopt;
         const std::int64_t until = std::min(sample->timestamp_ns, end_ns);
         const double seconds = static_cast<double>(until - now) * 1e-9;
         rotation = rotation * base::rotation_from_vector(sample->angular_velocity_imu * seconds);
@@ -49,7 +54,7 @@ Eigen::Vector3d integrate_gyro(const std::vector<types::ImuSample>& imu,
 
 // Returns the moment from frame `first` until the rotation is large enough to be visible, or half a
 // second has passed.
-Moment moment_at(const DiveContents& contents, int first) {
+Moment moment_at(const DiveContents& contents, int first, std::int64_t max_interval_ns) {
     const auto time = [&](int i) {
         return contents.pairs[static_cast<std::size_t>(i)].timestamp_ns;
     };
@@ -58,9 +63,11 @@ Moment moment_at(const DiveContents& contents, int first) {
     for (int second = first + 1; second < num_pairs; ++second) {
         const double seconds = static_cast<double>(time(second) - time(first)) * 1e-9;
         if (seconds > kMaxInterval_s) break;
-        const Eigen::Vector3d rotation = integrate_gyro(contents.imu, time(first), time(second));
-        moment = {first, second, seconds, rotation};
-        if (rotation.norm() > kEnough_rad) break;
+        const auto rotation =
+            integrate_gyro(contents.imu, time(first), time(second), max_interval_ns);
+        if (!rotation) break;
+        moment = {first, second, seconds, *rotation};
+        if (rotation->norm() > kEnough_rad) break;
     }
     return moment;
 }
@@ -68,6 +75,8 @@ Moment moment_at(const DiveContents& contents, int first) {
 // Returns the fastest rotation in each twelfth of the dive.
 std::vector<Moment> choose_moments(const DiveContents& contents) {
     std::vector<Moment> moments;
+    const std::int64_t max_interval_ns =
+        kGapPeriods * median_period_ns(timestamps_of(contents.imu));
     const int num_pairs = static_cast<int>(contents.pairs.size());
     for (int part = 0; part < kNumMoments; ++part) {
         const int begin = part * num_pairs / kNumMoments;
@@ -75,7 +84,7 @@ std::vector<Moment> choose_moments(const DiveContents& contents) {
         const int step = std::max(1, (end - begin) / 20);
         Moment best;
         for (int i = begin; i < end; i += step) {
-            const Moment moment = moment_at(contents, i);
+            const Moment moment = moment_at(contents, i, max_interval_ns);
             if (moment.second > moment.first &&
                 moment.rotation_imu.norm() > best.rotation_imu.norm())
                 best = moment;

@@ -7,6 +7,7 @@
 
 #include "worker/base/text.hpp"
 #include "worker/dive/csv.hpp"
+#include "worker/dive/imu_zeros.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/stats/median.hpp"
 
@@ -14,12 +15,35 @@ namespace divemesh::dive {
 namespace {
 
 constexpr double kMinPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds give far shorter periods
+constexpr double kAboveSurface_m = -1.0;  // waves and a zero that drifts stay below this
 constexpr double kMaxReading = 1e9;  // above every sensor's range in any unit; squares stay finite
 
-// Reads rows of a timestamp and N numbers.
-template <std::size_t N, typename Use>
-void for_each_sample(std::string_view text, StampCheck& check, const Use& use) {
-    std::vector<std::int64_t> accepted_ns;
+bool is_same(const types::ImuSample& a, const types::ImuSample& b) {
+    return a.angular_velocity_imu == b.angular_velocity_imu &&
+           a.acceleration_imu == b.acceleration_imu;
+}
+
+bool is_same(const types::OrientationSample& a, const types::OrientationSample& b) {
+    return a.q_world_imu.coeffs() == b.q_world_imu.coeffs();
+}
+
+bool is_same(const types::PressureSample& a, const types::PressureSample& b) {
+    return a.depth_m == b.depth_m;
+}
+
+bool is_same(const types::StampedPose& a, const types::StampedPose& b) {
+    return a.T_world_imu.matrix() == b.T_world_imu.matrix();
+}
+
+// Reads rows of a timestamp and N numbers, in the order of time. `use` turns them into a sample, or
+// returns nullopt if the row is malformed.
+template <std::size_t N, typename Sample, typename Use>
+std::vector<Sample> read_samples(std::string_view text,
+                                 StampCheck& check,
+                                 TableClock* clock,
+                                 const Use& use) {
+    std::vector<Sample> samples;
+    std::vector<std::int64_t> lines;
     for_each_csv_row(text, [&](std::int64_t line, std::span<const std::string_view> fields) {
         const auto timestamp = check.accept(line, fields[0]);
         if (!timestamp) return;
@@ -34,10 +58,16 @@ void for_each_sample(std::string_view text, StampCheck& check, const Use& use) {
                 return std::abs(value) <= kMaxReading;  // false for NaN
             }))
             return check.count_not_finite(line);
-        if (!use(*timestamp, values)) return check.count_malformed(line);
-        accepted_ns.push_back(*timestamp);
+        const std::optional<Sample> sample = use(*timestamp, values);
+        if (!sample) return check.count_malformed(line);
+        samples.push_back(*sample);
+        lines.push_back(line);
     });
-    check.report(accepted_ns, kMinPeriod_s);
+    const TableClock found =
+        check.sort(samples, lines, [](const Sample& a, const Sample& b) { return is_same(a, b); });
+    if (clock) *clock = found;
+    check.report(timestamps_of(samples), kMinPeriod_s);
+    return samples;
 }
 
 template <typename Get>
@@ -94,6 +124,35 @@ void check_imu_units(const std::vector<types::ImuSample>& samples,
                        "Write rates in rad/s.");
 }
 
+// Checks the unit and the sign of depths.
+void check_depths(const std::vector<types::PressureSample>& samples,
+                  const std::string& file,
+                  FindingLog& findings) {
+    const auto num_where = [&](const auto& is_wrong) {
+        return std::count_if(samples.begin(), samples.end(), [&](const types::PressureSample& s) {
+            return is_wrong(s.depth_m);
+        });
+    };
+    const auto num_absurd = num_where([](double d) { return d < -20.0 || d > 11000.0; });
+    const auto num_above = num_where([](double d) { return d < kAboveSurface_m && d > -11000.0; });
+    const std::string of = " of " + std::to_string(samples.size()) + " depths are ";
+    if (num_above > 0 && num_above * 20 >= std::ssize(samples) * 19)
+        return findings.warning(
+            "pressure_sign",
+            file,
+            std::to_string(num_above) + of +
+                "negative, which is above the surface: depths seem to be written downwards as "
+                "negative numbers",
+            "Write the depth as positive below the surface, or set the sensor's zero at the "
+            "surface.");
+    if (num_absurd * 20 > std::ssize(samples))
+        findings.error("pressure_units",
+                       file,
+                       std::to_string(num_absurd) + of +
+                           "above the surface or deeper than any sea, so they are not depths in m",
+                       "Write the depth in m, positive down, not the pressure in Pa or mbar.");
+}
+
 std::optional<Eigen::Quaterniond> unit_quaternion(double w, double x, double y, double z) {
     const Eigen::Quaterniond q(w, x, y, z);
     const double norm = q.norm();
@@ -105,68 +164,64 @@ std::optional<Eigen::Quaterniond> unit_quaternion(double w, double x, double y, 
 
 std::vector<types::ImuSample> parse_imu(std::string_view text,
                                         const std::string& file,
-                                        FindingLog& findings) {
-    std::vector<types::ImuSample> samples;
+                                        FindingLog& findings,
+                                        TableClock* clock) {
     StampCheck check("imu", file, findings);
-    for_each_sample<6>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
-        samples.push_back({timestamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
-        return true;
-    });
+    auto samples = read_samples<6, types::ImuSample>(
+        text, check, clock, [](std::int64_t timestamp_ns, const auto& v) {
+            return std::optional<types::ImuSample>(
+                {timestamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
+        });
+    fill_zero_readings(samples, file, findings);
     check_imu_units(samples, file, findings);
     return samples;
 }
 
 std::vector<types::OrientationSample> parse_ahrs(std::string_view text,
                                                  const std::string& file,
-                                                 FindingLog& findings) {
-    std::vector<types::OrientationSample> samples;
+                                                 FindingLog& findings,
+                                                 TableClock* clock) {
     StampCheck check("ahrs", file, findings);
-    for_each_sample<4>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
-        const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
-        if (q) samples.push_back({timestamp_ns, *q});
-        return q.has_value();
-    });
-    return samples;
+    return read_samples<4, types::OrientationSample>(
+        text,
+        check,
+        clock,
+        [](std::int64_t timestamp_ns, const auto& v) -> std::optional<types::OrientationSample> {
+            const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
+            if (!q) return std::nullopt;
+            return types::OrientationSample{timestamp_ns, *q};
+        });
 }
 
 std::vector<types::PressureSample> parse_pressure(std::string_view text,
                                                   const std::string& file,
-                                                  FindingLog& findings) {
-    std::vector<types::PressureSample> samples;
+                                                  FindingLog& findings,
+                                                  TableClock* clock) {
     StampCheck check("pressure", file, findings);
-    for_each_sample<1>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
-        samples.push_back({timestamp_ns, v[0]});
-        return true;
-    });
-    const auto absurd =
-        std::count_if(samples.begin(), samples.end(), [](const types::PressureSample& s) {
-            return s.depth_m < -20.0 || s.depth_m > 11000.0;
+    auto samples = read_samples<1, types::PressureSample>(
+        text, check, clock, [](std::int64_t timestamp_ns, const auto& v) {
+            return std::optional<types::PressureSample>({timestamp_ns, v[0]});
         });
-    if (absurd * 20 > std::ssize(samples))
-        findings.error(
-            "pressure_units",
-            file,
-            std::to_string(absurd) + " of " + std::to_string(samples.size()) +
-                " depths are above the surface or deeper than any sea, so they are not depths in m",
-            "Write the depth in m, positive down, not the pressure in Pa or mbar.");
+    check_depths(samples, file, findings);
     return samples;
 }
 
 types::Trajectory parse_ground_truth(std::string_view text,
                                      const std::string& file,
                                      FindingLog& findings) {
-    types::Trajectory poses;
     StampCheck check("ground_truth", file, findings);
-    for_each_sample<7>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
-        const auto q = unit_quaternion(v[3], v[4], v[5], v[6]);
-        if (!q || Eigen::Vector3d(v[0], v[1], v[2]).norm() > 1e7) return false;
-        types::StampedPose pose;
-        pose.timestamp_ns = timestamp_ns;
-        pose.T_world_imu = Eigen::Translation3d(v[0], v[1], v[2]) * *q;
-        poses.push_back(pose);
-        return true;
-    });
-    return poses;
+    return read_samples<7, types::StampedPose>(
+        text,
+        check,
+        nullptr,
+        [](std::int64_t timestamp_ns, const auto& v) -> std::optional<types::StampedPose> {
+            const auto q = unit_quaternion(v[3], v[4], v[5], v[6]);
+            if (!q || Eigen::Vector3d(v[0], v[1], v[2]).norm() > 1e7) return std::nullopt;
+            types::StampedPose pose;
+            pose.timestamp_ns = timestamp_ns;
+            pose.T_world_imu = Eigen::Translation3d(v[0], v[1], v[2]) * *q;
+            return pose;
+        });
 }
 
 }  // namespace divemesh::dive

@@ -3,22 +3,27 @@
 #include <string_view>
 #include <vector>
 
+#include "worker/dive/clock_steps.hpp"
 #include "worker/dive/finding_log.hpp"
 #include "worker/types/recording.hpp"
 
 namespace divemesh::dive {
 
 // Parse the data.csv files of the sensors; samples stay in the frame of the sensor. Problems of a
-// row or of the whole file are findings. `text` is the file's contents, `file` its name.
+// row or of the whole file are findings. Samples are in the order of time; where the clock was set
+// back they are moved, and `clock` says where. `text` is the file's contents, `file` its name.
 std::vector<types::ImuSample> parse_imu(std::string_view text,
                                         const std::string& file,
-                                        FindingLog& findings);
+                                        FindingLog& findings,
+                                        TableClock* clock = nullptr);
 std::vector<types::OrientationSample> parse_ahrs(std::string_view text,
                                                  const std::string& file,
-                                                 FindingLog& findings);
+                                                 FindingLog& findings,
+                                                 TableClock* clock = nullptr);
 std::vector<types::PressureSample> parse_pressure(std::string_view text,
                                                   const std::string& file,
-                                                  FindingLog& findings);
+                                                  FindingLog& findings,
+                                                  TableClock* clock = nullptr);
 types::Trajectory parse_ground_truth(std::string_view text,
                                      const std::string& file,
                                      FindingLog& findings);

@@ -1,5 +1,9 @@
 #include "worker/dive/stamp_check.hpp"
 
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
 #include "worker/base/text.hpp"
 #include "worker/dive/csv.hpp"
 #include "worker/stats/median.hpp"
@@ -9,6 +13,8 @@ namespace {
 
 constexpr double kMaxBadShare = 0.05;
 constexpr double kGapPeriods = 5.0;
+constexpr double kFarPeriods = 1000.0;
+constexpr std::int64_t kMaxTimestamp_ns = 4'000'000'000'000'000'000;  // in 2096; sums stay in range
 
 }  // namespace
 
@@ -21,27 +27,46 @@ std::int64_t median_period_ns(const std::vector<std::int64_t>& timestamps_ns) {
     return stats::upper_median(std::move(periods));
 }
 
+std::vector<std::size_t> order_of_time(const std::vector<std::int64_t>& timestamps_ns) {
+    std::vector<std::size_t> order(timestamps_ns.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return timestamps_ns[a] < timestamps_ns[b];
+    });
+    return order;
+}
+
+std::vector<bool> out_of_order(const std::vector<std::int64_t>& timestamps_ns) {
+    std::vector<bool> is_late(timestamps_ns.size(), false);
+    std::int64_t latest_ns = std::numeric_limits<std::int64_t>::min();
+    for (std::size_t i = 0; i < timestamps_ns.size(); ++i) {
+        is_late[i] = timestamps_ns[i] < latest_ns;
+        latest_ns = std::max(latest_ns, timestamps_ns[i]);
+    }
+    return is_late;
+}
+
+std::vector<bool> far_from_all(const std::vector<std::int64_t>& sorted_ns, std::int64_t period_ns) {
+    std::vector<bool> is_far(sorted_ns.size(), false);
+    const auto is_wide = [&](std::size_t left) {
+        return static_cast<double>(sorted_ns[left + 1] - sorted_ns[left]) >
+               kFarPeriods * static_cast<double>(period_ns);
+    };
+    for (std::size_t i = 0; i < sorted_ns.size(); ++i)
+        is_far[i] = (i == 0 || is_wide(i - 1)) && (i + 1 == sorted_ns.size() || is_wide(i));
+    return is_far;
+}
+
 std::optional<std::int64_t> StampCheck::accept(std::int64_t line, std::string_view stamp) {
     ++num_rows_;
     const auto timestamp = parse_integer(stamp);
-    if (!timestamp || *timestamp < 0) {
-        count(malformed_, line);
-        return std::nullopt;
-    }
-    if (last_ && *timestamp == *last_) {
-        count(repeated_, line);
-        return std::nullopt;
-    }
-    if (last_ && *timestamp < *last_) {
-        count(backwards_, line);
-        return std::nullopt;
-    }
-    last_ = timestamp;
-    return timestamp;
+    if (timestamp && *timestamp >= 0 && *timestamp <= kMaxTimestamp_ns) return timestamp;
+    count(malformed_, line);
+    return std::nullopt;
 }
 
 void StampCheck::count(Tally& tally, std::int64_t line) {
-    if (tally.count++ == 0) tally.first_line = line;
+    if (tally.count++ == 0 || line < tally.first_line) tally.first_line = line;
 }
 
 void StampCheck::report(const std::vector<std::int64_t>& accepted_ns, double min_period_s) {
@@ -55,12 +80,20 @@ void StampCheck::report(const std::vector<std::int64_t>& accepted_ns, double min
          "Repair the recorder or remove these rows.");
     tell(repeated_,
          "_timestamp_repeated",
-         "of the same timestamp as the row before",
-         "Remove the duplicate rows, and check the timestamps of the recorder.");
-    tell(backwards_,
+         "of the same timestamp as another row, with other values",
+         "Write each row with its own timestamp, and check the clock of the recorder.");
+    tell(misplaced_,
          "_timestamp_backwards",
-         "of an earlier timestamp than a row before",
-         "Record with a clock that only runs forward; do not set the time during a dive.");
+         "of a timestamp far before the rows around them",
+         "Check the timestamps of the recorder.");
+    tell_sorted(doubled_,
+                "_timestamp_repeated",
+                "doubles of another row; each is used once",
+                "Remove the duplicate rows if the recorder did not mean them.");
+    tell_sorted(unsorted_,
+                "_timestamp_backwards",
+                "of an earlier timestamp than a row before; they are sorted into their place",
+                "Write the rows in the order of time.");
     report_period(accepted_ns, min_period_s);
 }
 
@@ -71,15 +104,27 @@ void StampCheck::tell(const Tally& tally,
     if (tally.count == 0) return;
     const bool too_many =
         static_cast<double>(tally.count) > kMaxBadShare * static_cast<double>(num_rows_);
-    const std::string message = std::to_string(tally.count) + " of " + std::to_string(num_rows_) +
-                                " rows are " + what + ", the first in line " +
-                                std::to_string(tally.first_line) +
-                                (too_many ? "" : "; they are ignored");
     findings_.add({too_many ? Severity::Error : Severity::Warning,
                    sensor_ + code,
                    file_ + ":" + std::to_string(tally.first_line),
-                   message,
+                   rows_text(tally, what) + (too_many ? "" : "; they are ignored"),
                    remedy});
+}
+
+void StampCheck::tell_sorted(const Tally& tally,
+                             const std::string& code,
+                             const std::string& what,
+                             const std::string& remedy) {
+    if (tally.count == 0) return;
+    findings_.warning(sensor_ + code,
+                      file_ + ":" + std::to_string(tally.first_line),
+                      rows_text(tally, what),
+                      remedy);
+}
+
+std::string StampCheck::rows_text(const Tally& tally, const std::string& what) const {
+    return std::to_string(tally.count) + " of " + std::to_string(num_rows_) + " rows are " + what +
+           ", the first in line " + std::to_string(tally.first_line);
 }
 
 void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns, double min_period_s) {
