@@ -15,6 +15,8 @@ struct Words {
     std::string scene = "barge";
     std::string water;
     std::string marker_family = "tag36h11";
+    std::string pauses;
+    std::string blue_water;
 };
 
 void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& words) {
@@ -40,6 +42,19 @@ void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& 
     command.add_option("--markers", options.num_markers, "number of AprilTags on the ground along the path (writes markers.json)")->capture_default_str();
     command.add_option("--marker-family", words.marker_family, "tag36h11, tag25h9 or tagStandard41h12")->capture_default_str();
     command.add_option("--marker-size-m", options.marker_size_m, "printed size of the tags")->capture_default_str();
+    command.add_option("--speed", options.speed, "of the diver, times the usual")->capture_default_str();
+    command.add_option("--sway", options.sway, "of the diver, times the usual; 0: an even glide")->capture_default_str();
+    command.add_option("--swing", options.swing_deg_s, "highest rate of a swing to both sides, degrees per second")->capture_default_str();
+    command.add_option("--pauses", words.pauses, "stretches at rest, each as where it begins on the path (0 to 1) and its seconds: 0:10,0.5:5");
+    command.add_option("--blue-water", words.blue_water, "stretches in which only water is seen, each as where it begins in the dive (0 to 1) and its seconds: 0.4:6");
+    command.add_option("--light", options.light, "times the usual")->capture_default_str();
+    command.add_option("--turbidity", options.turbidity, "times that of the water")->capture_default_str();
+    command.add_option("--texture-contrast", options.texture_contrast, "1: as natural, 0: each surface in one tone")->capture_default_str();
+    command.add_option("--snow-density", options.snow_density, "times that of the water")->capture_default_str();
+    command.add_option("--fish-density", options.fish_density, "times one fish for every four seconds")->capture_default_str();
+    command.add_option("--stereo-offset", options.stereo_offset_ms, "milliseconds by which the right camera is late without its stamps saying so")->capture_default_str();
+    command.add_option("--calibration-error", options.calibration_error, "errors of the calibration, drawn by seed, times those of a typical one")->capture_default_str();
+    command.add_option("--vertical-misalignment", options.vertical_misalignment_px, "pixels by which the pair is out of line and the calibration does not say so")->capture_default_str();
     command.add_option("--threads", options.num_threads, "0: all cores; the result does not depend on it")->capture_default_str();
     // clang-format on
 }
@@ -47,6 +62,8 @@ void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& 
 int run(simulator::SimulateOptions options, const Words& words) {
     options.scene = simulator::scene_kind_from_string(words.scene);
     if (!words.water.empty()) options.water = simulator::water_kind_from_string(words.water);
+    options.pauses = simulator::stretches_from_string(words.pauses);
+    options.blue_water = simulator::stretches_from_string(words.blue_water);
     options.marker_family = dive::marker_family_from_string(words.marker_family);
     catch_interrupts();
     ProgressBar bar;

@@ -70,15 +70,10 @@ nlohmann::json to_json(const std::vector<SurfaceChange>& surface) {
 
 }  // namespace
 
-void write_camera_files(const std::filesystem::path& folder,
-                        const types::Camera& camera,
-                        const Eigen::Isometry3d& T_imu_cam,
-                        double rate_hz,
-                        const std::vector<ImageName>& images) {
-    std::ostringstream rows;
-    rows << "#timestamp [ns],filename\n";
-    for (const ImageName& image : images) rows << image.timestamp_ns << ',' << image.file << '\n';
-    write_text(folder / "data.csv", rows.str());
+void write_camera_yaml(const std::filesystem::path& folder,
+                       const types::Camera& camera,
+                       const Eigen::Isometry3d& T_imu_cam,
+                       double rate_hz) {
     std::ostringstream rest;
     const auto& k = camera.distortion_coefficients;
     rest << std::setprecision(kRowDigits)
@@ -89,6 +84,18 @@ void write_camera_files(const std::filesystem::path& folder,
          << k[0] << ", " << k[1] << ", " << k[2] << ", " << k[3] << "]\n";
     write_text(folder / "sensor.yaml",
                sensor_yaml("camera", "rendered, global shutter", T_imu_cam, rest.str()));
+}
+
+void write_camera_files(const std::filesystem::path& folder,
+                        const types::Camera& camera,
+                        const Eigen::Isometry3d& T_imu_cam,
+                        double rate_hz,
+                        const std::vector<ImageName>& images) {
+    std::ostringstream rows;
+    rows << "#timestamp [ns],filename\n";
+    for (const ImageName& image : images) rows << image.timestamp_ns << ',' << image.file << '\n';
+    write_text(folder / "data.csv", rows.str());
+    write_camera_yaml(folder, camera, T_imu_cam, rate_hz);
 }
 
 void write_imu_files(const std::filesystem::path& folder,

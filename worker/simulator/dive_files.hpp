@@ -21,6 +21,10 @@ struct ImageName {
     std::string file;
 };
 
+void write_camera_yaml(const std::filesystem::path& folder,
+                       const types::Camera& camera,
+                       const Eigen::Isometry3d& T_imu_cam,
+                       double rate_hz);
 void write_camera_files(const std::filesystem::path& folder,
                         const types::Camera& camera,
                         const Eigen::Isometry3d& T_imu_cam,

@@ -12,6 +12,8 @@ namespace divemesh::simulator {
 namespace {
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr std::size_t kYaw = 3;                    // among the axes of sway
+constexpr double kSwing = std::numbers::pi / 9.0;  // rad to each side, if the path swings
 
 // Returns the perimeter of an ellipse by Ramanujan's approximation of 1914.
 double perimeter_m(double a, double b) {
@@ -44,9 +46,12 @@ DiverMotion::DiverMotion(const SurveyPath& path, std::uint64_t seed) : path_(pat
     constexpr std::array<double, 6> kAmplitudes = {0.06, 0.06, 0.05, 0.07, 0.045, 0.05};
     for (std::size_t axis = 0; axis < sways_.size(); ++axis)
         for (const Band& band : kBands)
-            sways_[axis].push_back({kAmplitudes[axis] * band.share * random.uniform(0.7, 1.1),
-                                    random.uniform(band.low_hz, band.high_hz),
-                                    random.uniform(0.0, kTwoPi)});
+            sways_[axis].push_back(
+                {path_.sway * kAmplitudes[axis] * band.share * random.uniform(0.7, 1.1),
+                 random.uniform(band.low_hz, band.high_hz),
+                 random.uniform(0.0, kTwoPi)});
+    if (path_.swing_rad_s > 0.0)
+        sways_[kYaw].push_back({kSwing, path_.swing_rad_s / (kTwoPi * kSwing), 0.0});
     angle_rate_ = path_.speed_m_s / perimeter_m(path_.semi_axis_x_m, path_.semi_axis_y_m) * kTwoPi;
 }
 
@@ -54,7 +59,7 @@ DiverMotion DiverMotion::open_path(const SurveyPath& path, double length_m, std:
     DiverMotion motion(path, seed);
     motion.widening_ = 0.008;
     const double guess_s = length_m / path.speed_m_s;
-    motion.duration_s_ = bisect(0.1 * guess_s, 10.0 * guess_s, [&](double duration_s) {
+    motion.path_duration_s_ = bisect(0.1 * guess_s, 10.0 * guess_s, [&](double duration_s) {
         return motion.length_m(duration_s) - length_m;
     });
     return motion;
@@ -90,8 +95,19 @@ DiverMotion DiverMotion::closed_lap(const SurveyPath& path,
     return scaled(scale);
 }
 
+DiverMotion DiverMotion::with_pauses(const std::vector<Stretch>& pauses) const {
+    std::vector<Rest> rests;
+    for (const Stretch& pause : pauses)
+        rests.push_back({pause.at_share * path_duration_s_, pause.duration_s});
+    DiverMotion motion = *this;
+    motion.path_time_ = PathTime(rests);
+    return motion;
+}
+
+double DiverMotion::duration_s() const { return path_time_.end_of(path_duration_s_); }
+
 void DiverMotion::close(double lap_s) {
-    duration_s_ = lap_s;
+    path_duration_s_ = lap_s;
     angle_rate_ = kTwoPi / lap_s;
     for (Sways& sways : sways_)
         for (Sway& sway : sways)
@@ -118,7 +134,7 @@ DiverMotion::Way DiverMotion::ellipse_at(const Jet& t) const {
 }
 
 MotionState DiverMotion::at(double t_s) const {
-    const Jet t = time_at(t_s);
+    const Jet t = path_time_.at(t_s);
     const Way way = path_.straight ? line_at(t) : ellipse_at(t);
     const Jet x = way.x + sum(sways_[0], t);
     const Jet y = way.y + sum(sways_[1], t);
@@ -147,9 +163,9 @@ MotionState DiverMotion::at(double t_s) const {
     return state;
 }
 
-double DiverMotion::length_m(double duration_s) const {
-    const int num_steps = std::max(16, static_cast<int>(std::lround(duration_s * 20.0)));
-    const double step_s = duration_s / num_steps;
+double DiverMotion::length_m(double path_duration_s) const {
+    const int num_steps = std::max(16, static_cast<int>(std::lround(path_duration_s * 20.0)));
+    const double step_s = path_duration_s / num_steps;
     double sum_m = 0.0;  // midpoint rule
     for (int i = 0; i < num_steps; ++i)
         sum_m += at((i + 0.5) * step_s).velocity_world.norm() * step_s;

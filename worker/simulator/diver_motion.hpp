@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "worker/simulator/jet.hpp"
+#include "worker/simulator/path_time.hpp"
+#include "worker/simulator/stretch.hpp"
 
 namespace divemesh::simulator {
 
@@ -21,7 +23,9 @@ struct SurveyPath {
     double look_yaw = 0.0;
     double look_pitch = 0.6;
     double speed_m_s = 0.25;
-    double max_scale = 1.5;  // how much a closed lap may be enlarged
+    double max_scale = 1.5;    // how much a closed lap may be enlarged
+    double sway = 1.0;         // times a diver's
+    double swing_rad_s = 0.0;  // highest rate of a swing of 20 degrees in yaw to both sides
 };
 
 // Pose, velocity (m/s), acceleration (m/s^2, without gravity) and rate of rotation (rad/s) of the
@@ -47,9 +51,11 @@ public:
                                   double rate_hz,
                                   std::uint64_t seed);
 
+    // Returns the same open path with rests, each at a share of the path.
+    DiverMotion with_pauses(const std::vector<Stretch>& pauses) const;
+
     MotionState at(double t_s) const;
-    double duration_s() const { return duration_s_; }  // of the open path, or of one lap
-    double length_m(double duration_s) const;
+    double duration_s() const;  // of the open path, or of one lap
 
 private:
     struct Sway {
@@ -65,15 +71,17 @@ private:
     };
 
     DiverMotion(const SurveyPath& path, std::uint64_t seed);
+    double length_m(double path_duration_s) const;  // without rests
     void close(double lap_s);
     Way line_at(const Jet& t) const;
     Way ellipse_at(const Jet& t) const;
     Jet sum(const Sways& sways, const Jet& t) const;
 
     SurveyPath path_;
-    double angle_rate_ = 0.0;  // rad/s round the ellipse
-    double widening_ = 0.0;    // of the ellipse per radian; 0 when closed
-    double duration_s_ = 0.0;
+    double angle_rate_ = 0.0;       // rad/s round the ellipse
+    double widening_ = 0.0;         // of the ellipse per radian; 0 when closed
+    double path_duration_s_ = 0.0;  // without rests
+    PathTime path_time_;
     std::array<Sways, 6> sways_;  // x y z (m), yaw pitch roll (rad)
 };
 

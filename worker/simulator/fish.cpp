@@ -37,12 +37,14 @@ Rgb fish_color(const Eigen::Vector3f& q, bool is_tail, std::uint64_t seed) {
 std::vector<Fish> Fish::make_school(const DiverMotion& motion,
                                     double duration_s,
                                     const Eigen::Vector3d& look_imu,
+                                    double density,
                                     std::uint64_t seed) {
     base::RandomRow random(base::hash64(seed, 0x66697368ULL));
     std::vector<Fish> school;
-    const int num_fish = 1 + static_cast<int>(duration_s / kSecondsPerFish);
+    const double seconds_per_fish = kSecondsPerFish / density;
+    const int num_fish = 1 + static_cast<int>(duration_s / seconds_per_fish);
     for (int i = 0; i < num_fish; ++i) {
-        const double t_s = (i + random.uniform(0.1, 0.9)) * kSecondsPerFish;
+        const double t_s = (i + random.uniform(0.1, 0.9)) * seconds_per_fish;
         const Eigen::Isometry3d T_world_imu = motion.at(t_s).T_world_imu;
         Fish fish;
         fish.center_world_ = T_world_imu * (random.uniform(0.9, 1.4) * look_imu);

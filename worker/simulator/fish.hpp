@@ -30,10 +30,12 @@ public:
         Rgb color = Rgb::Zero();
     };
 
-    // Returns a school along the path of `motion`, about one fish for every four seconds.
+    // Returns a school along the path of `motion`, about one fish for every four seconds times
+    // `density`.
     static std::vector<Fish> make_school(const DiverMotion& motion,
                                          double duration_s,
                                          const Eigen::Vector3d& look_imu,
+                                         double density,
                                          std::uint64_t seed);
 
     Shape at(double t_s) const;

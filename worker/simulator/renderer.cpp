@@ -22,7 +22,19 @@ const std::array<Eigen::Vector3d, 2> kLamps_cam0 = {Eigen::Vector3d(-0.45, -0.25
 constexpr float kSmoothCosine = 0.98F;
 constexpr float kSmoothSlope = 6.0F;
 
+// A pixel of this size resolves no pattern of any material.
+constexpr float kNoPattern_m = 1000.0F;
+
 cv::Vec3f to_vec(const Rgb& color) { return {color[0], color[1], color[2]}; }
+
+Rendering empty_rendering(const types::Camera& camera) {
+    const cv::Size size(camera.width_px, camera.height_px);
+    return {cv::Mat::zeros(size, CV_32FC3),
+            cv::Mat::zeros(size, CV_32F),
+            cv::Mat::zeros(size, CV_32FC3),
+            cv::Mat::zeros(size, CV_8U),
+            cv::Mat::zeros(size, CV_8U)};
+}
 
 }  // namespace
 
@@ -103,22 +115,33 @@ Rendering Renderer::render(int camera_index, const Eigen::Isometry3d& T_world_im
         eye.fish.push_back({std::move(shape), box});
     }
 
-    const cv::Size size(camera.width_px, camera.height_px);
-    Rendering rendering{cv::Mat(size, CV_32FC3),
-                        cv::Mat(size, CV_32F),
-                        cv::Mat(size, CV_32FC3),
-                        cv::Mat::zeros(size, CV_8U),
-                        cv::Mat::zeros(size, CV_8U)};
+    Rendering rendering = empty_rendering(camera);
     tbb::parallel_for(0, camera.height_px, [&](int row) { render_row(eye, row, rendering); });
-    if (options_.snow)
-        options_.snow->draw(camera,
-                            T_world_cam,
-                            t_s,
-                            options_.water,
-                            rendering.radiance,
-                            rendering.depth,
-                            &rendering.snow);
+    draw_snow(camera_index, T_world_imu, t_s, rendering);
     return rendering;
+}
+
+Rendering Renderer::render_water(int camera,
+                                 const Eigen::Isometry3d& T_world_imu,
+                                 double t_s) const {
+    Rendering rendering = empty_rendering(camera == 0 ? rig_.cam0 : rig_.cam1);
+    rendering.radiance.setTo(to_vec(options_.water.veil));
+    draw_snow(camera, T_world_imu, t_s, rendering);
+    return rendering;
+}
+
+void Renderer::draw_snow(int camera,
+                         const Eigen::Isometry3d& T_world_imu,
+                         double t_s,
+                         Rendering& rendering) const {
+    if (!options_.snow) return;
+    options_.snow->draw(camera == 0 ? rig_.cam0 : rig_.cam1,
+                        T_world_imu * (camera == 0 ? rig_.T_imu_cam0 : rig_.T_imu_cam1),
+                        t_s,
+                        options_.water,
+                        rendering.radiance,
+                        rendering.depth,
+                        &rendering.snow);
 }
 
 void Renderer::render_row(const Eye& eye, int row, Rendering& rendering) {
@@ -232,8 +255,18 @@ Rgb Renderer::look_at(const Eye& eye, const Point& point, Rgb& albedo) const {
     const float range_m = ray.norm();
     const float cosine = std::abs(point.normal_world.dot(ray)) / range_m;
     const float footprint_m = eye.pixel_size * point.t / std::sqrt(std::max(0.12F, cosine));
-    albedo = surface_color(*point.object, noise_, point.p_world, point.normal_world, footprint_m);
+    albedo = albedo_of(point, footprint_m);
     return options_.water.look_through(shade(eye, point, albedo, footprint_m), range_m);
+}
+
+Rgb Renderer::albedo_of(const Point& point, float footprint_m) const {
+    const auto color = [&](float resolved_m) {
+        return surface_color(*point.object, noise_, point.p_world, point.normal_world, resolved_m);
+    };
+    const float contrast = options_.texture_contrast;
+    if (contrast == 1.0F || point.object->material == Material::Marker) return color(footprint_m);
+    const Rgb flat = color(kNoPattern_m);
+    return flat + contrast * (color(footprint_m) - flat);
 }
 
 Renderer::Point Renderer::point_at(const RayHit& hit,

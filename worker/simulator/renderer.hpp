@@ -25,6 +25,7 @@ struct RenderOptions {
     bool caustics = false;
     std::vector<Fish> fish;
     std::shared_ptr<const MarineSnow> snow;  // null: no snow
+    float texture_contrast = 1.0F;           // times that of the materials; 0: one tone each
     bool exact_depth = false;                // else the depth of a ray near the pixel's centre
     std::uint64_t seed = 0;                  // of the textures
 };
@@ -54,6 +55,8 @@ public:
     // Renders camera 0 or 1 with the body at `T_world_imu`, with snow, fish and caustics at time
     // `t_s`.
     Rendering render(int camera, const Eigen::Isometry3d& T_world_imu, double t_s);
+    // Renders what a camera sees that looks into open water: the veil, and snow.
+    Rendering render_water(int camera, const Eigen::Isometry3d& T_world_imu, double t_s) const;
     // The range within which a triangle that camera 0 sees counts as seen; seen_triangles() covers
     // all images since construction.
     static constexpr float kReferenceRange_m = 4.0F;
@@ -74,6 +77,10 @@ private:
         float sun;
     };
 
+    void draw_snow(int camera,
+                   const Eigen::Isometry3d& T_world_imu,
+                   double t_s,
+                   Rendering& rendering) const;
     static Rays rays_of(const types::Camera& camera);
     using RayHits4 = std::array<RayHit, 4>;
 
@@ -95,6 +102,7 @@ private:
                Rgb& albedo) const;
     // Returns the light from a point of the scene as seen, and its own colour in `albedo`.
     Rgb look_at(const Eye& eye, const Point& point, Rgb& albedo) const;
+    Rgb albedo_of(const Point& point, float footprint_m) const;
     Point point_at(const RayHit& hit,
                    const Eigen::Vector3f& origin,
                    const Eigen::Vector3f& direction) const;

@@ -1,5 +1,6 @@
 #include "worker/simulator/simulate.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <fstream>
@@ -10,12 +11,14 @@
 #include "schemas/error.hpp"
 #include "worker/io/ply.hpp"
 #include "worker/simulator/camera_sensor.hpp"
+#include "worker/simulator/check_options.hpp"
 #include "worker/simulator/dive_files.hpp"
 #include "worker/simulator/draw_rig.hpp"
 #include "worker/simulator/inertial_sensors.hpp"
 #include "worker/simulator/lay_markers.hpp"
 #include "worker/simulator/reference_mesh.hpp"
 #include "worker/simulator/renderer.hpp"
+#include "worker/simulator/stated_rig.hpp"
 #include "worker/simulator/surface_change.hpp"
 #include "worker/simulator/survey.hpp"
 
@@ -30,37 +33,6 @@ struct Exposure {
     double t_s = 0.0;
     int shown = 0;  // index of the pair whose images it uses
 };
-
-void check_range(const std::string& name, double value, double low, double high) {
-    if (value >= low && value <= high) return;
-    throw Error(ErrorCode::InvalidArgument,
-                name + " is " + std::to_string(value) + ": choose " + std::to_string(low) + " to " +
-                    std::to_string(high));
-}
-
-void check(const SimulateOptions& options) {
-    check_range("length_m",
-                options.length_m,
-                0.1,
-                options.scene == SceneKind::Transect ? kMaxTransectLength_m : 1000.0);
-    check_range("rate_hz", options.rate_hz, 1.0, 100.0);
-    check_range("laps", options.laps, 0, 1000);
-    check_range("year", options.year, 1, 10);
-    check_range("survey", options.survey, 1, 1000);
-    check_range("width_px", options.width_px, 32, 4096);
-    check_range("height_px", options.height_px, 32, 4096);
-    check_range("jpeg_quality", options.jpeg_quality, 10, 100);
-    check_range("markers", options.num_markers, 0, dive::num_ids(options.marker_family));
-    check_range("marker_size_m", options.marker_size_m, 0.02, 1.0);
-    check_range("num_threads", options.num_threads, 0, 1024);
-    if (options.out.empty())
-        throw Error(ErrorCode::InvalidArgument, "there is no folder for the dive: give one");
-    std::error_code failure;
-    if (fs::exists(options.out, failure) &&
-        (!fs::is_directory(options.out, failure) || !fs::is_empty(options.out, failure)))
-        throw Error(ErrorCode::Conflict,
-                    options.out.string() + " exists and is not an empty folder: choose another");
-}
 
 std::vector<Exposure> plan_exposures(const SimulateOptions& options, const DiverMotion& motion) {
     const auto per_pass =
@@ -92,7 +64,15 @@ void write_image(const fs::path& file, const cv::Mat& image, int jpeg_quality) {
 DiverMotion motion_of(const SimulateOptions& options, const Survey& survey) {
     return options.laps > 0 ? DiverMotion::closed_lap(
                                   survey.path, options.length_m, options.rate_hz, survey.seed)
-                            : DiverMotion::open_path(survey.path, options.length_m, survey.seed);
+                            : DiverMotion::open_path(survey.path, options.length_m, survey.seed)
+                                  .with_pauses(options.pauses);
+}
+
+StatedRig state_rig(const SimulateOptions& options, const types::Rig& rig) {
+    StatedRig stated = draw_calibration_error(rig, options.calibration_error, options.seed);
+    if (options.vertical_misalignment_px != 0.0)
+        stated.rig = pitch_right_camera(stated.rig, options.vertical_misalignment_px);
+    return stated;
 }
 
 // One simulated dive.
@@ -105,6 +85,7 @@ public:
                                                                          : WaterKind::Green)),
           scene_(make_scene(options.scene, options.seed, options.year, options.length_m)),
           rig_(draw_rig(options.width_px, options.height_px, options.seed)),
+          stated_(state_rig(options, rig_)),
           survey_(plan_survey(options, scene_.path, water_)),
           motion_(motion_of(options, survey_)),
           exposures_(plan_exposures(options, motion_)) {
@@ -143,6 +124,7 @@ private:
         SimulateOptions first = options_;
         first.year = 1;
         first.survey = 1;
+        first.pauses.clear();
         const Scene& ground = first_year_ ? *first_year_ : scene_;
         auto markers = lay_markers(
             options_, rig_, motion_of(first, plan_survey(first, ground.path, water_)), ground);
@@ -156,16 +138,22 @@ private:
     }
 
     RenderOptions render_options() const {
-        RenderOptions render{
-            .water = survey_.water, .exact_depth = options_.truth, .seed = options_.seed};
+        RenderOptions render{.water = survey_.water,
+                             .texture_contrast = static_cast<float>(options_.texture_contrast),
+                             .exact_depth = options_.truth,
+                             .seed = options_.seed};
         if (water_ == WaterKind::None) return render;
         render.caustics = options_.caustics;
         const double duration_s = motion_.duration_s();
         if (options_.fish)
-            render.fish = Fish::make_school(
-                motion_, duration_s, rig_.T_imu_cam0.linear().col(2), survey_.seed);
+            render.fish = Fish::make_school(motion_,
+                                            duration_s,
+                                            rig_.T_imu_cam0.linear().col(2),
+                                            options_.fish_density,
+                                            survey_.seed);
         const double particles_per_m3 =
-            water_ == WaterKind::Turbid ? 400.0 : (water_ == WaterKind::Green ? 150.0 : 60.0);
+            options_.snow_density *
+            (water_ == WaterKind::Turbid ? 400.0 : (water_ == WaterKind::Green ? 150.0 : 60.0));
         if (options_.snow)
             render.snow = std::make_shared<MarineSnow>(particles_per_m3, survey_.seed);
         return render;
@@ -201,7 +189,7 @@ private:
             return;
         }
         const Rendering rendering =
-            renderer.render(camera, motion_.at(exposure.t_s).T_world_imu, exposure.t_s);
+            look(renderer, camera, exposure.t_s + (camera == 1 ? right_later_s() : 0.0));
         const cv::Mat image = develop(
             rendering.radiance,
             2 * index + static_cast<std::size_t>(camera),
@@ -209,6 +197,22 @@ private:
             {.exposure = survey_.water.exposure, .noise = options_.noise, .seed = survey_.seed});
         write_image(folder / image_name(index), image, options_.jpeg_quality);
         if (options_.truth) write_truth(rendering, exposure.timestamp_ns, camera);
+    }
+
+    double right_later_s() const { return 1e-3 * options_.stereo_offset_ms; }
+
+    Rendering look(Renderer& renderer, int camera, double t_s) const {
+        const Eigen::Isometry3d T_world_imu = motion_.at(t_s).T_world_imu;
+        return sees_only_water(t_s) ? renderer.render_water(camera, T_world_imu, t_s)
+                                    : renderer.render(camera, T_world_imu, t_s);
+    }
+
+    bool sees_only_water(double t_s) const {
+        return std::any_of(
+            options_.blue_water.begin(), options_.blue_water.end(), [&](const Stretch& blue) {
+                const double since_s = t_s - blue.at_share * motion_.duration_s();
+                return since_s >= 0.0 && since_s < blue.duration_s;
+            });
     }
 
     void write_truth(const Rendering& rendering, std::int64_t timestamp_ns, int camera) const {
@@ -226,20 +230,36 @@ private:
         std::vector<ImageName> images;
         for (std::size_t i = 0; i < exposures_.size(); ++i)
             images.push_back({exposures_[i].timestamp_ns, image_name(i)});
-        write_camera_files(camera_folder(0), rig_.cam0, rig_.T_imu_cam0, options_.rate_hz, images);
-        write_camera_files(camera_folder(1), rig_.cam1, rig_.T_imu_cam1, options_.rate_hz, images);
+        const types::Rig& stated = stated_.rig;
+        write_camera_files(
+            camera_folder(0), stated.cam0, stated.T_imu_cam0, options_.rate_hz, images);
+        write_camera_files(
+            camera_folder(1), stated.cam1, stated.T_imu_cam1, options_.rate_hz, images);
+        if (is_misstated()) write_true_cameras();
         const double end_s = exposures_.back().t_s;
-        const auto records =
+        auto records =
             simulate_imu(motion_, end_s, options_.noise ? &*rig_.imu_noise : nullptr, survey_.seed);
-        write_imu_files(mav0 / "imu0", *rig_.imu_noise, records);
         write_ground_truth_files(mav0 / "state_groundtruth_estimate0", records);
-        write_ahrs_files(mav0 / "ahrs0",
-                         simulate_ahrs(motion_, end_s, options_.noise, survey_.seed));
+        for (ImuRecord& record : records) record.sample.timestamp_ns += stated_.imu_clock_offset_ns;
+        write_imu_files(mav0 / "imu0", *rig_.imu_noise, records);
+        auto orientations = simulate_ahrs(motion_, end_s, options_.noise, survey_.seed);
+        for (auto& sample : orientations) sample.timestamp_ns += stated_.imu_clock_offset_ns;
+        write_ahrs_files(mav0 / "ahrs0", orientations);
         if (water_ != WaterKind::None)
             write_pressure_file(
                 mav0 / "pressure0",
                 simulate_pressure(
                     motion_, end_s, scene_.surface_z_m, options_.noise, survey_.seed));
+    }
+
+    bool is_misstated() const {
+        return options_.calibration_error > 0.0 || options_.vertical_misalignment_px != 0.0;
+    }
+
+    void write_true_cameras() const {
+        const fs::path truth = options_.out / "truth";
+        write_camera_yaml(truth / "cam0", rig_.cam0, rig_.T_imu_cam0, options_.rate_hz);
+        write_camera_yaml(truth / "cam1", rig_.cam1, rig_.T_imu_cam1, options_.rate_hz);
     }
 
     void tell(std::size_t frames_done) const {
@@ -263,6 +283,7 @@ private:
     Scene scene_;
     std::optional<Scene> first_year_;  // if the scene is of a later year
     types::Rig rig_;
+    StatedRig stated_;
     Survey survey_;
     DiverMotion motion_;
     std::vector<Exposure> exposures_;
@@ -273,7 +294,7 @@ private:
 }  // namespace
 
 void simulate(const SimulateOptions& options, const base::ProgressCallback& report) {
-    check(options);
+    check_options(options);
     tbb::task_arena arena(options.num_threads > 0 ? options.num_threads
                                                   : tbb::task_arena::automatic);
     arena.execute([&] { Simulation(options, report).run(); });

@@ -7,6 +7,7 @@
 
 #include "worker/base/observer.hpp"
 #include "worker/dive/marker_family.hpp"
+#include "worker/simulator/stretch.hpp"
 
 namespace divemesh::simulator {
 
@@ -27,7 +28,7 @@ struct SimulateOptions {
     SceneKind scene = SceneKind::Barge;
     std::filesystem::path out;       // created; must not contain a dive yet
     double length_m = 6.0;           // of the path, or of one lap if `laps` > 0
-    double rate_hz = 10.0;           // stereo pairs per second
+    double rate_hz = 10.0;           // stereo pairs per second, from 0.25
     std::uint64_t seed = 1;          // of place, rig, motion and noise
     std::optional<WaterKind> water;  // unset: none for the tank, green elsewhere
     int laps = 0;                    // 0: an open path; N: a closed lap, swum N times
@@ -46,13 +47,29 @@ struct SimulateOptions {
     dive::MarkerFamily marker_family = dive::MarkerFamily::Tag36h11;
     double marker_size_m = 0.12;  // as defined in docs/markers.md
     int num_threads = 0;          // 0: one per core
+
+    // What a dive is not to be. 1 or 0 here: as usual.
+    double speed = 1.0;               // times the scene's
+    double sway = 1.0;                // times a diver's; 0: an even glide
+    double swing_deg_s = 0.0;         // highest rate of a swing in yaw, 20 degrees to each side
+    std::vector<Stretch> pauses;      // the rig is at rest; open paths only
+    std::vector<Stretch> blue_water;  // only water is seen
+    double light = 1.0;               // times the usual: less light, more noise
+    double turbidity = 1.0;           // times attenuation and backscatter of the water
+    double texture_contrast = 1.0;    // times that of the materials; 0: one tone each
+    double snow_density = 1.0;        // times that of the water
+    double fish_density = 1.0;        // times one fish for every four seconds
+    double stereo_offset_ms = 0.0;    // by which the right camera is later than its stamps
+    double calibration_error = 0.0;   // times typical: draw_calibration_error()
+    double vertical_misalignment_px = 0.0;  // of the rectified images, which nothing states
 };
 
 // Renders a dive with exact ground truth into `options.out`: images, IMU, AHRS, trajectory,
-// reference.ply (what cam0 saw within 4 m), measurements.json. The same options give the same bytes
-// for any number of threads. Progress has one stage, "simulate". Throws Error{InvalidArgument} for
-// options out of range, Error{Conflict} if `out` is not empty, and Error{OutOfSpace} if a file
-// cannot be written.
+// reference.ply (what cam0 saw within 4 m), measurements.json. A calibration with errors is written
+// where that of a dive is; the images are of the true rig, which truth/ then states. The same
+// options give the same bytes for any number of threads. Progress has one stage, "simulate". Throws
+// Error{InvalidArgument} for options out of range, Error{Conflict} if `out` is not empty, and
+// Error{OutOfSpace} if a file cannot be written.
 void simulate(const SimulateOptions& options,
               const base::ProgressCallback& report = base::ignore_progress);
 

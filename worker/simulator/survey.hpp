@@ -17,7 +17,7 @@ struct Survey {
 // Returns the plan of a survey. The first survey of the first year uses the scene's own path, the
 // water as named and the seed of the place. Every other one begins elsewhere, up to 0.3 m to the
 // side and 0.25 m higher, looks up to 4 degrees to the side, and has a visibility that is up to 15
-// % shorter or longer.
+// % shorter or longer. Speed, sway, light and turbidity of the options apply to all.
 Survey plan_survey(const SimulateOptions& options, const SurveyPath& of_scene, WaterKind water);
 
 }  // namespace divemesh::simulator

@@ -98,6 +98,45 @@ TEST(DiverMotionTest, ClosedLapHasItsLengthAndRepeatsInPoseVelocityAndAccelerati
     }
 }
 
+TEST(DiverMotionTest, PausedMotionHasTheDerivativesOfItsPositionToo) {
+    const auto motion = DiverMotion::open_path({}, 5.0, 7).with_pauses({{0.0, 1.0}, {0.4, 2.0}});
+    expect_true_derivatives(motion);
+    expect_true_turning(motion);
+    EXPECT_EQ(motion.at(0.5).velocity_world.norm(), 0.0);
+    EXPECT_EQ(motion.at(0.5).acceleration_world.norm(), 0.0);
+}
+
+TEST(DiverMotionTest, StraightPathWithoutSwayIsUniform) {
+    SurveyPath path = straight_path();
+    path.sway = 0.0;
+    const auto motion = DiverMotion::open_path(path, 10.0, 7);
+    for (double t_s = 0.0; t_s < motion.duration_s(); t_s += 1.3) {
+        EXPECT_NEAR(
+            (motion.at(t_s).velocity_world - Eigen::Vector3d(path.speed_m_s, 0.0, 0.0)).norm(),
+            0.0,
+            1e-12);
+        EXPECT_LT(motion.at(t_s).acceleration_world.norm(), 1e-12);
+        EXPECT_LT(motion.at(t_s).angular_velocity_imu.norm(), 1e-12);
+    }
+}
+
+TEST(DiverMotionTest, SwingReachesTheRateThatWasAskedAndTwentyDegrees) {
+    SurveyPath path = straight_path();
+    path.sway = 0.0;
+    path.look_pitch = 0.0;
+    path.swing_rad_s = 1.0;
+    const auto motion = DiverMotion::open_path(path, 10.0, 7);
+    double max_rate = 0.0;
+    double max_yaw = 0.0;
+    for (double t_s = 0.0; t_s < motion.duration_s(); t_s += 0.01) {
+        const MotionState state = motion.at(t_s);
+        max_rate = std::max(max_rate, state.angular_velocity_imu.norm());
+        max_yaw = std::max(max_yaw, std::asin(state.T_world_imu.linear()(1, 0)));
+    }
+    EXPECT_NEAR(max_rate, 1.0, 1e-3);
+    EXPECT_NEAR(max_yaw * 180.0 / 3.14159265, 20.0, 0.05);
+}
+
 TEST(DiverMotionTest, LapThatDoesNotFitTheSceneIsRefused) {
     EXPECT_THROW(DiverMotion::closed_lap({}, 500.0, 10.0, 4), Error);
     EXPECT_THROW(DiverMotion::closed_lap(straight_path(), 5.0, 10.0, 4), Error);

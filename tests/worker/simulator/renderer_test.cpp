@@ -86,7 +86,7 @@ TEST(RendererTest, FishIsWhereItSwimsInBothCameras) {
     path.look_pitch = 1.4;
     const auto motion = DiverMotion::open_path(path, 2.0, 2);
     const auto school =
-        Fish::make_school(motion, motion.duration_s(), rig.T_imu_cam0.linear().col(2), 2);
+        Fish::make_school(motion, motion.duration_s(), rig.T_imu_cam0.linear().col(2), 1.0, 2);
     Renderer renderer(scene, rig, {.water = make_water(WaterKind::Green), .fish = school});
     int num_seen = 0;
     for (double t_s = 0.0; t_s < motion.duration_s(); t_s += 0.5) {
