@@ -17,16 +17,15 @@
 namespace divemesh::pipeline {
 namespace {
 
+// Tracking as stated, by vision alone, with another clock offset or fewer sensors, and without the
+// times in which a sensor contradicted the images.
+constexpr int kMaxAttempts = 5;
 constexpr double kMinDepth_m = 0.05;
 
 std::size_t num_with_depth(const types::Features& features) {
     return static_cast<std::size_t>(
         std::count_if(features.begin(), features.end(), types::has_depth));
 }
-
-// Tracking as stated, by vision alone, with another clock offset or fewer sensors, and without the
-// times in which a sensor contradicted the images.
-constexpr int kMaxAttempts = 5;
 
 }  // namespace
 
