@@ -10,7 +10,10 @@ void read_cameras(std::string_view text, divemesh::dive::FindingLog& findings) {
     const auto left = divemesh::dive::parse_camera_rows(text.substr(0, gap), "cam0", findings);
     const auto right = divemesh::dive::parse_camera_rows(
         gap == std::string_view::npos ? text : text.substr(gap), "cam1", findings);
-    divemesh::dive::match_pairs(left, right, findings);
+    divemesh::dive::match_pairs(left,
+                                right,
+                                divemesh::dive::guess_clock_difference(left, right),
+                                divemesh::dive::common_clock_tolerance_ns(left));
 }
 
 }  // namespace

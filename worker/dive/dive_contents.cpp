@@ -27,9 +27,8 @@ public:
         read_json();
         report_unknown_sensors();
         read_sensors();
-        read_pairs();
+        read_cameras();
         read_rig();
-        check_times();
         return std::move(contents_);
     }
 
@@ -37,12 +36,9 @@ private:
     void read_json();
     void report_unknown_sensors();
     void read_sensors();
-    void read_pairs();
+    void read_cameras();
     void read_rig();
     void to_imu_frame(const Eigen::Isometry3d& T_body_imu);
-    void check_times();
-    template <typename Samples>
-    void check_coverage(const Samples& samples, const std::string& sensor, const std::string& file);
 
     std::optional<std::string> read_text(const std::string& file, std::int64_t max_bytes);
     std::vector<CameraRow> read_camera_rows(const std::string& camera, TableClock& clock);
@@ -153,16 +149,15 @@ std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camer
     return rows;
 }
 
-void ContentsReader::read_pairs() {
+void ContentsReader::read_cameras() {
     TableClock left_clock;
     TableClock right_clock;
-    auto left = read_camera_rows("cam0", left_clock);
-    auto right = read_camera_rows("cam1", right_clock);
-    add_clock("mav0/cam0/data.csv", left_clock, left);
-    add_clock("mav0/cam1/data.csv", right_clock, right);
+    contents_.left_rows = read_camera_rows("cam0", left_clock);
+    contents_.right_rows = read_camera_rows("cam1", right_clock);
+    add_clock("mav0/cam0/data.csv", left_clock, contents_.left_rows);
+    add_clock("mav0/cam1/data.csv", right_clock, contents_.right_rows);
     join_clocks(stepped_, findings_);
     stepped_.clear();
-    contents_.pairs = match_pairs(left, right, findings_);
 }
 
 std::optional<SensorYaml> ContentsReader::read_yaml(const std::string& file) {
@@ -225,47 +220,6 @@ void ContentsReader::to_imu_frame(const Eigen::Isometry3d& T_body_imu) {
         mounting("state_groundtruth_estimate0").inverse() * T_body_imu;
     for (types::StampedPose& pose : contents_.ground_truth)
         pose.T_world_imu = pose.T_world_imu * T_truth_imu;
-}
-
-template <typename Samples>
-void ContentsReader::check_coverage(const Samples& samples,
-                                    const std::string& sensor,
-                                    const std::string& file) {
-    if (samples.empty() || contents_.pairs.empty()) return;
-    const std::int64_t first = contents_.pairs.front().timestamp_ns;
-    const std::int64_t last = contents_.pairs.back().timestamp_ns;
-    const std::int64_t begin = samples.front().timestamp_ns;
-    const std::int64_t end = samples.back().timestamp_ns;
-    const std::string ranges = "it runs from " + std::to_string(begin) + " to " +
-                               std::to_string(end) + ", the images from " + std::to_string(first) +
-                               " to " + std::to_string(last);
-    if (end < first || begin > last)
-        return findings_.error(
-            sensor + "_no_overlap",
-            file,
-            file + " does not overlap the images in time: " + ranges,
-            "Record both with the same clock, or remove the file from the dive.");
-    const double covered_s =
-        static_cast<double>(std::min(end, last) - std::max(begin, first)) * 1e-9;
-    const double dive_s = static_cast<double>(last - first) * 1e-9;
-    if (covered_s < 0.98 * dive_s)
-        findings_.warning(sensor + "_partial",
-                          file,
-                          file + " covers " + base::fixed(covered_s, 2) + " s of " +
-                              base::fixed(dive_s, 2) + " s of images: " + ranges,
-                          "Start this sensor before the cameras and stop it after them.");
-}
-
-void ContentsReader::check_times() {
-    const std::string data = "/data.csv";
-    check_coverage(contents_.imu, "imu", "mav0/imu0" + data);
-    check_coverage(contents_.ahrs, "ahrs", "mav0/ahrs0" + data);
-    check_coverage(contents_.pressure, "pressure", "mav0/pressure0" + data);
-    check_coverage(
-        contents_.ground_truth, "ground_truth", "mav0/state_groundtruth_estimate0" + data);
-    std::vector<std::int64_t> frames_ns;
-    for (const FramePair& pair : contents_.pairs) frames_ns.push_back(pair.timestamp_ns);
-    report_pauses(frames_ns, contents_.imu, findings_);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include "worker/dive/dive.hpp"
 #include "worker/dive/dive_files.hpp"
 #include "worker/dive/frame_list.hpp"
+#include "worker/dive/pair_frames.hpp"
 
 namespace divemesh::dive {
 
@@ -13,7 +14,9 @@ struct DiveContents {
     DiveInfo info;
     types::Rig rig;
     bool has_rig = false;  // both cameras are calibrated
-    std::vector<FramePair> pairs;
+    std::vector<CameraRow> left_rows;
+    std::vector<CameraRow> right_rows;
+    PairedFrames frames;  // set once the images can be read
     std::vector<types::ImuSample> imu;
     std::vector<types::OrientationSample> ahrs;
     std::vector<types::PressureSample> pressure;
@@ -22,7 +25,8 @@ struct DiveContents {
     std::optional<MarkerPlan> markers;
 };
 
-// Reads the contents of a dive; missing and invalid data are reported as findings.
+// Reads the contents of a dive, all but its frames; missing and invalid data are reported as
+// findings.
 DiveContents read_contents(const DiveFiles& files, const DiveLimits& limits, FindingLog& findings);
 
 }  // namespace divemesh::dive

@@ -1,9 +1,11 @@
 #include "worker/dive/frame_list.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <complex>
 #include <cstdlib>
+#include <numbers>
 
-#include "worker/base/text.hpp"
 #include "worker/dive/csv.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/stamp_check.hpp"
@@ -13,39 +15,44 @@ namespace {
 
 constexpr double kMinPeriod_s = 1e-3;  // 1000 images a second
 constexpr std::int64_t kMaxOffset_ns = 5'000'000;
-constexpr std::int64_t kReportedOffset_ns = 1'000'000;
+constexpr double kMinAgreement = 0.9;  // of phases, for one offset to describe them
 
-std::string range(const std::vector<CameraRow>& rows) {
-    return std::to_string(rows.front().timestamp_ns) + " to " +
-           std::to_string(rows.back().timestamp_ns);
+// Returns the mean of angles between timestamps of a period, and how well they agree (0 to 1).
+struct Phase {
+    double mean_ns = 0.0;
+    double agreement = 0.0;
+};
+
+Phase mean_phase(const std::vector<CameraRow>& left,
+                 const std::vector<CameraRow>& right,
+                 std::int64_t base_ns,
+                 std::int64_t period_ns) {
+    const double turn = 2.0 * std::numbers::pi / static_cast<double>(period_ns);
+    std::complex<double> sum = 0.0;
+    std::int64_t num_near = 0;
+    for (const CameraRow& row : left) {
+        const std::int64_t expected_ns = row.timestamp_ns + base_ns;
+        const auto after = std::lower_bound(
+            right.begin(), right.end(), expected_ns, [](const CameraRow& r, std::int64_t time) {
+                return r.timestamp_ns < time;
+            });
+        if (after == right.end()) break;
+        const std::int64_t difference_ns = after->timestamp_ns - expected_ns;
+        if (difference_ns > period_ns) continue;
+        sum += std::polar(1.0, turn * static_cast<double>(difference_ns));
+        ++num_near;
+    }
+    if (num_near == 0) return {};
+    return {std::arg(sum) / turn, std::abs(sum) / static_cast<double>(num_near)};
 }
 
-void report_pairs(const std::vector<CameraRow>& left,
-                  const std::vector<CameraRow>& right,
-                  const std::vector<FramePair>& pairs,
-                  std::int64_t max_offset_ns,
-                  FindingLog& findings) {
-    if (pairs.empty())
-        return findings.error("left_right_no_overlap",
-                              "mav0/cam1/data.csv",
-                              "no left image has a right image of the same time: left " +
-                                  range(left) + ", right " + range(right),
-                              "Record both cameras with the same clock.");
-    const std::size_t num_left = left.size() - pairs.size();
-    const std::size_t num_right = right.size() - pairs.size();
-    if (num_left + num_right > 0)
-        findings.warning("frames_unmatched",
-                         "mav0/cam1/data.csv",
-                         std::to_string(num_left) + " left and " + std::to_string(num_right) +
-                             " right images have no partner and are ignored",
-                         "Trigger both cameras together.");
-    if (max_offset_ns > kReportedOffset_ns)
-        findings.warning("frames_unsynchronised",
-                         "mav0/cam1/data.csv",
-                         "left and right images are up to " +
-                             base::fixed(static_cast<double>(max_offset_ns) * 1e-6, 2) +
-                             " ms apart",
-                         "Trigger both cameras together: at 0.3 m/s, 5 ms are 1.5 mm of baseline.");
+std::int64_t overlap_ns(const std::vector<CameraRow>& left, const std::vector<CameraRow>& right) {
+    return std::min(left.back().timestamp_ns, right.back().timestamp_ns) -
+           std::max(left.front().timestamp_ns, right.front().timestamp_ns);
+}
+
+std::int64_t duration_ns(const std::vector<CameraRow>& rows) {
+    return rows.back().timestamp_ns - rows.front().timestamp_ns;
 }
 
 }  // namespace
@@ -73,30 +80,61 @@ std::vector<CameraRow> parse_camera_rows(std::string_view text,
     return rows;
 }
 
+std::int64_t ClockDifference::at(std::int64_t left_ns) const {
+    return offset_ns +
+           static_cast<std::int64_t>(drift * static_cast<double>(left_ns - reference_ns));
+}
+
+std::int64_t common_clock_tolerance_ns(const std::vector<CameraRow>& left) {
+    const std::int64_t half_period_ns = median_period_ns(timestamps_of(left)) / 2;
+    return half_period_ns > 0 ? std::min(kMaxOffset_ns, half_period_ns) : kMaxOffset_ns;
+}
+
 std::vector<FramePair> match_pairs(const std::vector<CameraRow>& left,
                                    const std::vector<CameraRow>& right,
-                                   FindingLog& findings) {
+                                   const ClockDifference& difference,
+                                   std::int64_t tolerance_ns) {
     std::vector<FramePair> pairs;
-    if (left.empty() || right.empty()) return pairs;
-    const std::int64_t half_period_ns = median_period_ns(timestamps_of(left)) / 2;
-    const std::int64_t tolerance_ns =
-        half_period_ns > 0 ? std::min(kMaxOffset_ns, half_period_ns) : kMaxOffset_ns;
-    const auto offset_ns = [&](std::size_t l, std::size_t r) {
-        return std::abs(left[l].timestamp_ns - right[r].timestamp_ns);
+    std::vector<std::int64_t> expected_ns;  // by the right clock
+    expected_ns.reserve(left.size());
+    for (const CameraRow& row : left)
+        expected_ns.push_back(row.timestamp_ns + difference.at(row.timestamp_ns));
+    const auto distance_ns = [&](std::size_t l, std::size_t r) {
+        return std::abs(expected_ns[l] - right[r].timestamp_ns);
     };
-    std::int64_t max_offset_ns = 0;
     std::size_t r = 0;
     for (std::size_t l = 0; l < left.size() && r < right.size(); ++l) {
-        while (r + 1 < right.size() && offset_ns(l, r + 1) <= offset_ns(l, r)) ++r;
+        while (r + 1 < right.size() && distance_ns(l, r + 1) <= distance_ns(l, r)) ++r;
         // The right image is nearer to the next left one, so it is kept for that.
-        const bool is_wanted_next = l + 1 < left.size() && offset_ns(l + 1, r) < offset_ns(l, r);
-        if (offset_ns(l, r) > tolerance_ns || is_wanted_next) continue;
-        max_offset_ns = std::max(max_offset_ns, offset_ns(l, r));
-        pairs.push_back({left[l].timestamp_ns, left[l].file, right[r].file});
+        const bool is_wanted_next =
+            l + 1 < left.size() && distance_ns(l + 1, r) < distance_ns(l, r);
+        if (distance_ns(l, r) > tolerance_ns || is_wanted_next) continue;
+        pairs.push_back({left[l].timestamp_ns, left[l].file, right[r].file, right[r].timestamp_ns});
         ++r;
     }
-    report_pairs(left, right, pairs, max_offset_ns, findings);
     return pairs;
+}
+
+bool agree_in_time(const std::vector<CameraRow>& left, const std::vector<CameraRow>& right) {
+    const auto pairs = match_pairs(left, right, {}, common_clock_tolerance_ns(left));
+    return pairs.size() * 2 >= std::min(left.size(), right.size());
+}
+
+ClockDifference guess_clock_difference(const std::vector<CameraRow>& left,
+                                       const std::vector<CameraRow>& right) {
+    if (left.empty() || right.empty() || agree_in_time(left, right)) return {};
+    ClockDifference difference;
+    difference.reference_ns = left.front().timestamp_ns;
+    const bool ran_together =
+        overlap_ns(left, right) * 2 > std::min(duration_ns(left), duration_ns(right));
+    if (!ran_together)
+        difference.offset_ns = right.front().timestamp_ns - left.front().timestamp_ns;
+    const std::int64_t period_ns = median_period_ns(timestamps_of(left));
+    if (period_ns == 0) return difference;
+    const Phase phase = mean_phase(left, right, difference.offset_ns, period_ns);
+    if (phase.agreement > kMinAgreement)
+        difference.offset_ns += static_cast<std::int64_t>(std::llround(phase.mean_ns));
+    return difference;
 }
 
 }  // namespace divemesh::dive

@@ -21,6 +21,7 @@ struct FramePair {
     std::int64_t timestamp_ns = 0;  // of the left image
     std::string left;
     std::string right;
+    std::int64_t right_ns = 0;  // of the right image, by its own clock
 };
 
 // Parses a camera's data.csv; bad rows are reported as findings. Rows are in the order of time;
@@ -30,10 +31,34 @@ std::vector<CameraRow> parse_camera_rows(std::string_view text,
                                          FindingLog& findings,
                                          TableClock* clock = nullptr);
 
-// Pairs each left image with the nearest right one, at most half a frame period and 5 ms away.
-// Images without a partner are counted in a finding; if there is no pair at all, that is an error.
+// How the clock of the right camera differs from that of the left one.
+struct ClockDifference {
+    std::int64_t offset_ns = 0;     // right - left, at `reference_ns`
+    double drift = 0.0;             // by which it grows, in seconds a second
+    std::int64_t reference_ns = 0;  // by the left clock
+
+    bool is_zero() const { return offset_ns == 0 && drift == 0.0; }
+    std::int64_t at(std::int64_t left_ns) const;
+};
+
+// Pairs each left image with the nearest right one, at most `tolerance_ns` away once the difference
+// of the clocks is taken off.
 std::vector<FramePair> match_pairs(const std::vector<CameraRow>& left,
                                    const std::vector<CameraRow>& right,
-                                   FindingLog& findings);
+                                   const ClockDifference& difference,
+                                   std::int64_t tolerance_ns);
+
+// Returns the tolerance for cameras on one clock: half a frame period, at most 5 ms.
+std::int64_t common_clock_tolerance_ns(const std::vector<CameraRow>& left);
+
+// Returns whether at least half of the images have a partner within that tolerance.
+bool agree_in_time(const std::vector<CameraRow>& left, const std::vector<CameraRow>& right);
+
+// Returns the difference of the clocks as far as timestamps tell: 0 if they agree in time.
+// Otherwise the offset that brings timestamps of both cameras nearest to each other: by less than a
+// frame period if both ran at the same time, else from the first image of one to the first of the
+// other.
+ClockDifference guess_clock_difference(const std::vector<CameraRow>& left,
+                                       const std::vector<CameraRow>& right);
 
 }  // namespace divemesh::dive

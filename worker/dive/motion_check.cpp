@@ -56,9 +56,9 @@ std::optional<Eigen::Vector3d> integrate_gyro(const std::vector<types::ImuSample
 // second has passed.
 Moment moment_at(const DiveContents& contents, int first, std::int64_t max_interval_ns) {
     const auto time = [&](int i) {
-        return contents.pairs[static_cast<std::size_t>(i)].timestamp_ns;
+        return contents.frames.pairs[static_cast<std::size_t>(i)].timestamp_ns;
     };
-    const int num_pairs = static_cast<int>(contents.pairs.size());
+    const int num_pairs = static_cast<int>(contents.frames.pairs.size());
     Moment moment{first, first, 0.0, Eigen::Vector3d::Zero()};
     for (int second = first + 1; second < num_pairs; ++second) {
         const double seconds = static_cast<double>(time(second) - time(first)) * 1e-9;
@@ -77,7 +77,7 @@ std::vector<Moment> choose_moments(const DiveContents& contents) {
     std::vector<Moment> moments;
     const std::int64_t max_interval_ns =
         kGapPeriods * median_period_ns(timestamps_of(contents.imu));
-    const int num_pairs = static_cast<int>(contents.pairs.size());
+    const int num_pairs = static_cast<int>(contents.frames.pairs.size());
     for (int part = 0; part < kNumMoments; ++part) {
         const int begin = part * num_pairs / kNumMoments;
         const int end = (part + 1) * num_pairs / kNumMoments;
@@ -242,7 +242,8 @@ private:
                     " points would lie behind the cameras, so the left and right images seem to be "
                     "swapped",
                 "Swap the folders: cam0 is the left camera, cam1 the right one.");
-        if (error_px > 2.0)
+        // Cameras that were not exposed together see such differences with any calibration.
+        if (error_px > 2.0 && !contents_.frames.delay.is_significant())
             findings_.warning("stereo_mismatch",
                               "mav0/cam1/sensor.yaml",
                               "matching points in the left and right images are " +

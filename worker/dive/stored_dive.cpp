@@ -2,8 +2,10 @@
 
 #include <chrono>
 
+#include "worker/dive/coverage.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/motion_check.hpp"
+#include "worker/dive/stamp_check.hpp"
 #include "worker/io/ply.hpp"
 
 namespace divemesh::dive {
@@ -30,6 +32,19 @@ std::string remedy_for(const std::string& code) {
     return "The dive runs without this frame. If you need it, copy the image again.";
 }
 
+// Returns whether IMU or AHRS cover the right camera's time and not the left one's.
+bool follow_right_clock(const DiveContents& contents) {
+    const std::vector<std::int64_t> sensor_ns =
+        contents.imu.empty() ? timestamps_of(contents.ahrs) : timestamps_of(contents.imu);
+    if (sensor_ns.empty() || contents.frames.pairs.empty()) return false;
+    const FramePair& first = contents.frames.pairs.front();
+    const FramePair& last = contents.frames.pairs.back();
+    const auto covers = [&](std::int64_t begin_ns, std::int64_t end_ns) {
+        return sensor_ns.front() <= end_ns && sensor_ns.back() >= begin_ns;
+    };
+    return !covers(first.timestamp_ns, last.timestamp_ns) && covers(first.right_ns, last.right_ns);
+}
+
 }  // namespace
 
 StoredDive::StoredDive(const std::filesystem::path& path,
@@ -39,18 +54,39 @@ StoredDive::StoredDive(const std::filesystem::path& path,
     : limits_(limits),
       files_(open_source(path, scratch, limits, throttled(progress), findings_)),
       contents_(read_contents(files_, limits, findings_)),
-      reader_(contents_.has_rig ? num_frames() : 0, kPrefetchedPairs, [this](int index) {
-          return load(index);
-      }) {
+      reader_(0, kPrefetchedPairs, {}) {
+    pair_images();
+    check_coverage(contents_, findings_);
     if (!contents_.has_rig) return;
+    reader_ =
+        FrameReader(num_frames(), kPrefetchedPairs, [this](int index) { return load(index); });
     check_first_images();
     if (has_error(findings_.all())) return;
     const auto load_pair = [this](int index) { return load(index); };
     check_motion(contents_, load_pair, progress, findings_);
 }
 
+// Pairs left and right images, by their timestamps alone if nothing is known of the cameras.
+void StoredDive::pair_images() {
+    const auto load_from = [this](const types::Camera& camera) {
+        return [this, &camera](const CameraRow& row) {
+            return load_image(files_, row.file, camera, limits_, Channels::Grey).image;
+        };
+    };
+    const CameraImages images{contents_.left_rows,
+                              contents_.right_rows,
+                              load_from(contents_.rig.cam0),
+                              load_from(contents_.rig.cam1)};
+    if (contents_.has_rig) contents_.frames = pair_frames(images, contents_.rig);
+    if (contents_.has_rig && follow_right_clock(contents_)) use_right_clock(contents_.frames);
+    if (!contents_.has_rig)
+        contents_.frames.pairs =
+            match_pairs(images.left, images.right, {}, common_clock_tolerance_ns(images.left));
+    report_pairs(contents_.frames, images, contents_.rig.baseline_m(), findings_);
+}
+
 LoadedPair StoredDive::load(int index) const {
-    const FramePair& files = contents_.pairs[static_cast<std::size_t>(index)];
+    const FramePair& files = contents_.frames.pairs[static_cast<std::size_t>(index)];
     LoadedPair pair;
     pair.index = index;
     pair.left = load_image(files_, files.left, contents_.rig.cam0, limits_, Channels::Grey);
@@ -72,7 +108,7 @@ void StoredDive::check_first_images() {
     }
     if (num_other_size == 0) return;
     const bool is_left = other.left.code == "image_size";
-    const FramePair& files = contents_.pairs[static_cast<std::size_t>(other.index)];
+    const FramePair& files = contents_.frames.pairs[static_cast<std::size_t>(other.index)];
     findings_.error("image_size",
                     printable(is_left ? files.left : files.right),
                     "the images do not have the calibrated size: " +
@@ -84,7 +120,7 @@ std::optional<types::StereoFrame> StoredDive::next_frame() {
     while (auto pair = reader_.next()) {
         if ((pair->left.was_16_bit || pair->right.was_16_bit) && !has_reported_16_bit_) {
             has_reported_16_bit_ = true;
-            const FramePair& files = contents_.pairs[static_cast<std::size_t>(pair->index)];
+            const FramePair& files = contents_.frames.pairs[static_cast<std::size_t>(pair->index)];
             findings_.warning("image_16_bit",
                               printable(pair->left.was_16_bit ? files.left : files.right),
                               "images have 16 bits per channel; only the upper 8 are used",
@@ -94,7 +130,7 @@ std::optional<types::StereoFrame> StoredDive::next_frame() {
             types::StereoFrame frame;
             frame.index = pair->index;
             frame.timestamp_ns =
-                contents_.pairs[static_cast<std::size_t>(pair->index)].timestamp_ns;
+                contents_.frames.pairs[static_cast<std::size_t>(pair->index)].timestamp_ns;
             frame.left = std::move(pair->left.image);
             frame.right = std::move(pair->right.image);
             return frame;
@@ -105,7 +141,7 @@ std::optional<types::StereoFrame> StoredDive::next_frame() {
 }
 
 cv::Mat StoredDive::left_in_color(int frame_index) const {
-    const std::string& file = contents_.pairs[static_cast<std::size_t>(frame_index)].left;
+    const std::string& file = contents_.frames.pairs[static_cast<std::size_t>(frame_index)].left;
     LoadedImage loaded = load_image(files_, file, contents_.rig.cam0, limits_, Channels::Bgr);
     if (loaded.image.empty())
         throw Error(
@@ -116,7 +152,7 @@ cv::Mat StoredDive::left_in_color(int frame_index) const {
 
 void StoredDive::report_skipped(const LoadedPair& pair) {
     if (!skipped_.insert(pair.index).second) return;
-    const FramePair& files = contents_.pairs[static_cast<std::size_t>(pair.index)];
+    const FramePair& files = contents_.frames.pairs[static_cast<std::size_t>(pair.index)];
     const bool is_left = pair.left.image.empty();
     const LoadedImage& loaded = is_left ? pair.left : pair.right;
     const std::string file = printable(is_left ? files.left : files.right);
@@ -137,9 +173,9 @@ void StoredDive::hash_contents(const base::ProgressCallback& progress) const {
 }
 
 double StoredDive::duration_s() const {
-    if (contents_.pairs.empty()) return 0.0;
-    return static_cast<double>(contents_.pairs.back().timestamp_ns -
-                               contents_.pairs.front().timestamp_ns) *
+    if (contents_.frames.pairs.empty()) return 0.0;
+    return static_cast<double>(contents_.frames.pairs.back().timestamp_ns -
+                               contents_.frames.pairs.front().timestamp_ns) *
            1e-9;
 }
 

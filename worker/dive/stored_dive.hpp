@@ -19,7 +19,7 @@ public:
                const base::ProgressCallback& progress);
 
     const types::Rig& rig() const override { return contents_.rig; }
-    int num_frames() const override { return static_cast<int>(contents_.pairs.size()); }
+    int num_frames() const override { return static_cast<int>(contents_.frames.pairs.size()); }
     const std::vector<types::ImuSample>& imu() const override { return contents_.imu; }
     const std::vector<types::OrientationSample>& ahrs() const override { return contents_.ahrs; }
     const std::vector<types::PressureSample>& pressure() const override {
@@ -47,6 +47,7 @@ public:
 
 private:
     LoadedPair load(int index) const;
+    void pair_images();
     void check_first_images();
     void report_skipped(const LoadedPair& pair);
 

@@ -16,35 +16,59 @@ std::vector<CameraRow> rows(const std::vector<std::int64_t>& times_ms) {
     return result;
 }
 
-TEST(FrameListTest, EachLeftImageGetsTheNearestRightOne) {
-    FindingLog log;
+constexpr std::int64_t kTolerance_ns = 5 * kMillisecond_ns;
 
-    const auto pairs = match_pairs(rows({1000, 1100, 1200, 1300}), rows({1003, 1098, 1199}), log);
+TEST(FrameListTest, EachLeftImageGetsTheNearestRightOne) {
+    const auto pairs =
+        match_pairs(rows({1000, 1100, 1200, 1300}), rows({1003, 1098, 1199}), {}, kTolerance_ns);
 
     ASSERT_EQ(pairs.size(), 3U);
     EXPECT_EQ(pairs[0].right, "1003");
     EXPECT_EQ(pairs[1].right, "1098");
     EXPECT_EQ(pairs[2].right, "1199");
     EXPECT_EQ(pairs[2].timestamp_ns, 1200 * kMillisecond_ns);
-    EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "frames_unsynchronised", "3.00 ms"));
-    EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "frames_unmatched", "1 left and 0 right"));
+    EXPECT_EQ(pairs[2].right_ns, 1199 * kMillisecond_ns);
 }
 
-TEST(FrameListTest, MoreThanFiveMillisecondsApartIsNoPair) {
-    FindingLog log;
-
-    EXPECT_TRUE(match_pairs(rows({1000, 1100}), rows({1006, 1106}), log).empty());
-    EXPECT_THAT(log.all(), HasFinding(Severity::Error, "left_right_no_overlap", "cam1"));
+TEST(FrameListTest, MoreThanTheToleranceApartIsNoPair) {
+    EXPECT_TRUE(match_pairs(rows({1000, 1100}), rows({1006, 1106}), {}, kTolerance_ns).empty());
 }
 
 TEST(FrameListTest, ARightImageIsGivenOnceToTheNearerLeftOne) {
-    FindingLog log;
-
-    const auto pairs = match_pairs(rows({1000, 1008, 1016}), rows({1007, 1016}), log);
+    const auto pairs = match_pairs(rows({1000, 1008, 1016}), rows({1007, 1016}), {}, kTolerance_ns);
 
     ASSERT_EQ(pairs.size(), 2U);
     EXPECT_EQ(pairs[0].left, "1008");
     EXPECT_EQ(pairs[0].right, "1007");
+}
+
+TEST(FrameListTest, ADifferenceOfTheClocksWithItsDriftIsTakenOff) {
+    // The right clock is 7 s behind and loses 10 ms a second.
+    const ClockDifference clocks{-7000 * kMillisecond_ns, -0.01, 10'000 * kMillisecond_ns};
+    const auto pairs = match_pairs(
+        rows({10'000, 11'000, 12'000}), rows({3000, 3990, 4980}), clocks, kMillisecond_ns);
+
+    ASSERT_EQ(pairs.size(), 3U);
+    EXPECT_EQ(pairs[2].right, "4980");
+}
+
+TEST(FrameListTest, ADifferenceOfTheClocksIsGuessedFromTimestamps) {
+    std::vector<std::int64_t> left;
+    std::vector<std::int64_t> late;
+    std::vector<std::int64_t> other_epoch;
+    for (int i = 0; i < 50; ++i) {
+        left.push_back(1'000'000 + 100 * i);
+        late.push_back(left.back() + 20);
+        other_epoch.push_back(100 * i);
+    }
+
+    EXPECT_TRUE(guess_clock_difference(rows(left), rows(left)).is_zero());
+    EXPECT_NEAR(
+        static_cast<double>(guess_clock_difference(rows(left), rows(late)).offset_ns), 20e6, 1e3);
+    EXPECT_NEAR(
+        static_cast<double>(guess_clock_difference(rows(left), rows(other_epoch)).offset_ns),
+        -1e12,
+        1e3);
 }
 
 TEST(FrameListTest, CommentsLineEndsAndBlanksOfOtherSystemsAreRead) {

@@ -1,0 +1,225 @@
+#include "worker/dive/pair_frames.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+#include "tests/worker/dive/finding_matcher.hpp"
+#include "worker/dive/motion_profile.hpp"
+
+namespace divemesh::dive {
+namespace {
+
+constexpr int kWidth_px = 320;
+constexpr int kHeight_px = 240;
+constexpr double kFocal_px = 250.0;
+constexpr double kBaseline_m = 0.1;
+constexpr double kDistance_m = 1.0;
+constexpr double kPeriod_s = 0.1;
+constexpr std::int64_t kStart_ns = 1'600'000'000'000'000'000;
+
+types::Rig rig() {
+    types::Rig rig;
+    for (types::Camera* camera : {&rig.cam0, &rig.cam1}) {
+        camera->width_px = kWidth_px;
+        camera->height_px = kHeight_px;
+        camera->fx_px = camera->fy_px = kFocal_px;
+        camera->cx_px = 0.5 * kWidth_px;
+        camera->cy_px = 0.5 * kHeight_px;
+        camera->distortion = types::Distortion::None;
+    }
+    rig.T_imu_cam1.translation() = Eigen::Vector3d(kBaseline_m, 0.0, 0.0);
+    return rig;
+}
+
+// A rig that swims over a textured wall, by a path that does not repeat itself.
+class Wall {
+public:
+    Wall() {
+        cv::Mat noise(kHeight_px + 2 * kMargin_px, kWidth_px + 2 * kMargin_px, CV_8UC1);
+        cv::RNG random(7);
+        random.fill(noise, cv::RNG::UNIFORM, 0, 255);
+        cv::GaussianBlur(noise, texture_, {}, 1.5);
+        cv::normalize(texture_, texture_, 20, 235, cv::NORM_MINMAX);
+    }
+
+    cv::Mat seen_at(double time_s, double x_m) const {
+        const double x_px = kMargin_px + kFocal_px / kDistance_m * (x_m + path_x_m(time_s));
+        const double y_px = kMargin_px + kFocal_px / kDistance_m * path_y_m(time_s);
+        const cv::Matx23d shift(1, 0, x_px, 0, 1, y_px);
+        cv::Mat image;
+        cv::warpAffine(texture_,
+                       image,
+                       shift,
+                       {kWidth_px, kHeight_px},
+                       cv::INTER_LINEAR | cv::WARP_INVERSE_MAP);
+        return image;
+    }
+
+private:
+    static constexpr int kMargin_px = 120;
+    static double path_x_m(double t) { return 0.15 * std::sin(0.9 * t) + 0.05 * std::sin(2.3 * t); }
+    static double path_y_m(double t) {
+        return 0.15 * std::sin(0.7 * t + 1) + 0.05 * std::cos(1.9 * t);
+    }
+
+    cv::Mat texture_;
+};
+
+// What really happened: when the images were exposed, and what the clocks said.
+struct Recorded {
+    int num_frames = 80;
+    double right_late_s = 0.0;   // exposure of the right images after the left ones
+    double right_clock_s = 0.0;  // difference of its clock at the start
+    double right_drift = 0.0;
+};
+
+class PairFramesTest : public testing::Test {
+protected:
+    CameraImages record(const Recorded& recorded) const {
+        CameraImages images;
+        for (int i = 0; i < recorded.num_frames; ++i) {
+            const double left_s = i * kPeriod_s;
+            const double right_s = left_s + recorded.right_late_s;
+            const double right_stamp_s =
+                right_s + recorded.right_clock_s + recorded.right_drift * right_s;
+            images.left.push_back({stamp_ns(left_s), std::to_string(left_s)});
+            images.right.push_back({stamp_ns(right_stamp_s), std::to_string(right_s)});
+        }
+        images.load_left = [this](const CameraRow& row) {
+            return wall_.seen_at(std::stod(row.file), 0.0);
+        };
+        images.load_right = [this](const CameraRow& row) {
+            return wall_.seen_at(std::stod(row.file), kBaseline_m);
+        };
+        return images;
+    }
+
+    static std::int64_t stamp_ns(double time_s) {
+        return kStart_ns + static_cast<std::int64_t>(std::llround(time_s * 1e9));
+    }
+
+    // Returns the largest time between the exposures of a pair, by what really happened.
+    static double max_apart_s(const PairedFrames& frames) {
+        double apart_s = 0.0;
+        for (const FramePair& pair : frames.pairs)
+            apart_s = std::max(apart_s, std::abs(std::stod(pair.left) - std::stod(pair.right)));
+        return apart_s;
+    }
+
+    static FindingLog report(const PairedFrames& frames, const CameraImages& images) {
+        FindingLog log;
+        report_pairs(frames, images, kBaseline_m, log);
+        return log;
+    }
+
+    Wall wall_;
+};
+
+TEST_F(PairFramesTest, CamerasThatFireTogetherGetNoFinding) {
+    const CameraImages images = record({});
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.pairs.size(), 80U);
+    EXPECT_TRUE(frames.clocks.is_zero());
+    EXPECT_NEAR(frames.delay.delay_s, 0.0, 1e-3);
+    EXPECT_TRUE(report(frames, images).all().empty());
+}
+
+TEST_F(PairFramesTest, AClockThatIsLateByLessThanAFrameIsFoundAndPaired) {
+    Recorded recorded;
+    recorded.right_clock_s = 0.02;
+    const CameraImages images = record(recorded);
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.pairs.size(), 80U);
+    EXPECT_LT(max_apart_s(frames), 1e-6);
+    EXPECT_NEAR(static_cast<double>(frames.clocks.offset_ns), 0.02e9, 1e6);
+    EXPECT_THAT(
+        report(frames, images).all(),
+        HasFinding(Severity::Warning, "camera_clocks_differ", "constant difference of 0.02"));
+}
+
+TEST_F(PairFramesTest, ClocksSecondsOrYearsApartAreFoundByTheMotionOfBothImages) {
+    for (const double clock_s : {1.3, -2.1, -1.2e9}) {
+        Recorded recorded;
+        recorded.right_clock_s = clock_s;
+
+        const PairedFrames frames = pair_frames(record(recorded), rig());
+
+        EXPECT_GE(frames.pairs.size(), 79U) << clock_s;
+        EXPECT_LT(max_apart_s(frames), 1e-6) << clock_s;
+    }
+}
+
+TEST_F(PairFramesTest, TwoClocksThatDriftApartArePairedToTheEnd) {
+    Recorded recorded;
+    recorded.num_frames = 160;
+    recorded.right_clock_s = 0.3;
+    recorded.right_drift = 0.008;  // 0.13 s over the dive, more than a frame
+    const CameraImages images = record(recorded);
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.pairs.size(), 160U);
+    EXPECT_LT(max_apart_s(frames), 1e-6);
+    EXPECT_NEAR(frames.clocks.drift, 0.008, 0.001);
+    EXPECT_THAT(report(frames, images).all(),
+                HasFinding(Severity::Warning, "camera_clocks_differ", "parts per million"));
+}
+
+TEST_F(PairFramesTest, CamerasThatFireApartAreSaidWithTheSizeOfIt) {
+    for (const double late_s : {0.02, -0.03}) {
+        Recorded recorded;
+        recorded.right_late_s = late_s;
+        const CameraImages images = record(recorded);
+
+        const PairedFrames frames = pair_frames(images, rig());
+
+        EXPECT_NEAR(frames.delay.delay_s, late_s, 2e-3);
+        EXPECT_EQ(frames.pairs.size(), 80U);
+        EXPECT_THAT(report(frames, images).all(),
+                    HasFinding(Severity::Warning,
+                               "frames_unsynchronised",
+                               late_s > 0 ? "ms after the left" : "ms before the left"));
+    }
+}
+
+TEST_F(PairFramesTest, ImagesThatShowNothingConfirmNoDifference) {
+    Recorded recorded;
+    recorded.right_clock_s = 77.0;
+    CameraImages images = record(recorded);
+    images.load_right = [](const CameraRow&) {
+        return cv::Mat(kHeight_px, kWidth_px, CV_8UC1, cv::Scalar(90));
+    };
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_TRUE(frames.pairs.empty());
+    EXPECT_THAT(report(frames, images).all(),
+                HasFinding(Severity::Error, "left_right_no_overlap", "cam1"));
+}
+
+TEST(MotionProfileTest, ALagIsFoundAndARepeatedMotionIsNotClear) {
+    MotionProfile left;
+    MotionProfile right;
+    MotionProfile repeating;
+    for (int i = 0; i < 150; ++i) {
+        const double t = 0.1 * i;
+        left.push_back({t, {std::sin(0.9 * t) + std::sin(2.3 * t), std::cos(1.7 * t)}});
+        right.push_back({t + 1.37, left.back().flow_1_s});
+        repeating.push_back({t, {std::sin(3.0 * t), 0.0}});
+    }
+
+    const auto lag = find_lag(left, right, 5.0);
+    ASSERT_TRUE(lag.has_value());
+    EXPECT_NEAR(lag->lag_s, 1.37, 0.03);
+    EXPECT_TRUE(lag->is_clear());
+    EXPECT_FALSE(find_lag(repeating, repeating, 5.0)->is_clear());
+}
+
+}  // namespace
+}  // namespace divemesh::dive

@@ -1,0 +1,115 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+
+#include "worker/base/text.hpp"
+#include "worker/dive/pair_frames.hpp"
+
+namespace divemesh::dive {
+namespace {
+
+constexpr const char* kRightRows = "mav0/cam1/data.csv";
+constexpr std::int64_t kReportedOffset_ns = 1'000'000;
+constexpr std::int64_t kClocksOffset_ns = 5'000'000;  // as well as the images tell the difference
+
+double to_s(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
+
+std::string range(const std::vector<CameraRow>& rows) {
+    return std::to_string(rows.front().timestamp_ns) + " to " +
+           std::to_string(rows.back().timestamp_ns);
+}
+
+void report_no_pair(const CameraImages& images, FindingLog& findings) {
+    findings.error("left_right_no_overlap",
+                   kRightRows,
+                   "no left image has a right image of the same time, and the images do not show "
+                   "how the clocks of the cameras differ: left " +
+                       range(images.left) + ", right " + range(images.right),
+                   "Record both cameras with the same clock, or move the timestamps of one by the "
+                   "difference, which a flash or a clap that both see tells.");
+}
+
+void report_clocks(const PairedFrames& frames, FindingLog& findings) {
+    if (frames.clocks.is_zero()) return;
+    const auto& clocks = frames.clocks;
+    const double start_s = to_s(clocks.offset_ns);
+    const double end_s = start_s + clocks.drift * to_s(frames.pairs.back().timestamp_ns -
+                                                       frames.pairs.front().timestamp_ns);
+    const std::string confirmed =
+        frames.delay.is_determined
+            ? "; the images confirm it to " +
+                  base::fixed(std::max(1.0, 2e3 * frames.delay.sigma_s), 0) + " ms"
+            : "; the images move too little to confirm it";
+    const std::string what = clocks.drift == 0.0
+                                 ? "there is a constant difference of " + base::fixed(start_s, 3) +
+                                       " s between the clocks of the cameras"
+                                 : "the clocks of the cameras differ by " +
+                                       base::fixed(start_s, 3) + " s at the start and " +
+                                       base::fixed(end_s, 3) + " s at the end (a drift of " +
+                                       base::fixed(1e6 * clocks.drift, 0) + " parts per million)";
+    findings.warning("camera_clocks_differ",
+                     kRightRows,
+                     what + " (right minus left). Images are paired with it" + confirmed +
+                         (frames.has_right_clock
+                              ? "; frames have the timestamps of cam1, as the IMU follows those"
+                              : ""),
+                     "Set both cameras by one clock, or trigger them together.");
+}
+
+// Says what a delay does: the rig moves on, so the baseline seems longer or shorter.
+std::string effect_of(double delay_s, const StereoDelay& seen, double baseline_m) {
+    if (!(seen.speed_m_s > 0.0)) return "";
+    return ": at " + base::fixed(seen.speed_m_s, 2) + " m/s that is " +
+           base::fixed(1e3 * delay_s * seen.speed_m_s, 1) + " mm of a baseline of " +
+           base::fixed(1e3 * baseline_m, 0) + " mm, and " +
+           base::fixed(delay_s * seen.flow_px_s, 1) + " px of disparity";
+}
+
+void report_delay(const PairedFrames& frames, double baseline_m, FindingLog& findings) {
+    const StereoDelay& delay = frames.delay;
+    if (delay.is_significant())
+        return findings.warning(
+            "frames_unsynchronised",
+            kRightRows,
+            "right images were exposed " + base::fixed(1e3 * std::abs(delay.delay_s), 1) + " ms " +
+                (delay.delay_s > 0.0 ? "after" : "before") + " the left ones of their pairs (+- " +
+                base::fixed(2e3 * delay.sigma_s, 1) + " ms, by the images)" +
+                effect_of(std::abs(delay.delay_s), delay, baseline_m),
+            "Trigger both cameras together, or move slowly.");
+    std::int64_t max_offset_ns = 0;
+    for (const FramePair& pair : frames.pairs) {
+        const std::int64_t known_ns =
+            frames.has_right_clock ? 0 : frames.clocks.at(pair.timestamp_ns);
+        max_offset_ns =
+            std::max(max_offset_ns, std::abs(pair.right_ns - pair.timestamp_ns - known_ns));
+    }
+    if (max_offset_ns <= (frames.clocks.is_zero() ? kReportedOffset_ns : kClocksOffset_ns)) return;
+    findings.warning("frames_unsynchronised",
+                     kRightRows,
+                     "left and right images are up to " +
+                         base::fixed(1e3 * to_s(max_offset_ns), 2) + " ms apart" +
+                         effect_of(to_s(max_offset_ns), delay, baseline_m),
+                     "Trigger both cameras together, or move slowly.");
+}
+
+}  // namespace
+
+void report_pairs(const PairedFrames& frames,
+                  const CameraImages& images,
+                  double baseline_m,
+                  FindingLog& findings) {
+    if (images.left.empty() || images.right.empty()) return;
+    if (frames.pairs.empty()) return report_no_pair(images, findings);
+    report_clocks(frames, findings);
+    report_delay(frames, baseline_m, findings);
+    const std::size_t num_left = images.left.size() - frames.pairs.size();
+    const std::size_t num_right = images.right.size() - frames.pairs.size();
+    if (num_left + num_right > 0)
+        findings.warning("frames_unmatched",
+                         kRightRows,
+                         std::to_string(num_left) + " left and " + std::to_string(num_right) +
+                             " right images have no partner and are ignored",
+                         "Trigger both cameras together.");
+}
+
+}  // namespace divemesh::dive

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "worker/dive/epipolar_samples.hpp"
+
+namespace divemesh::dive {
+
+// How much later the right images were exposed than the left ones of their pairs, by the images
+// alone: a feature that moves across the epipolar lines leaves its line by its rate times the
+// delay.
+struct StereoDelay {
+    double delay_s = 0.0;
+    double sigma_s = 0.0;             // one standard deviation, from the scatter between moments
+    double share_fitting = 0.0;       // of the corners: found in the right image, and as predicted
+    double spread_px = 0.0;           // median distance from the prediction, all samples
+    double rate_px_s = 0.0;           // median of the absolute rates: what the delay is measured by
+    double flow_px_s = 0.0;           // median of the absolute flow along the baseline
+    double speed_m_s = 0.0;           // median
+    bool is_determined = false;       // enough features move across the lines
+    std::vector<double> by_moment_s;  // one of each moment; NaN where it has too few features
+
+    // Returns whether the images contradict a delay of 0. Real rigs that are triggered together
+    // show up to 1.2 ms, as their calibrations are not exact.
+    bool is_significant() const;
+};
+
+// Estimates the delay together with a constant misalignment of the pair (pitch, roll and vertical
+// scale: linear in the ray), robustly. Empty moments are ignored.
+StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments);
+
+}  // namespace divemesh::dive
