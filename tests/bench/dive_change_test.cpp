@@ -87,7 +87,7 @@ TEST_F(DiveChangeTest, DoubledFrameShowsTheImageBeforeIt) {
 TEST_F(DiveChangeTest, BlueStretchShowsTheImagesOfTheBlueDive) {
     const fs::path dive = *folder_ / "dive";
     const fs::path blue = *folder_ / "blue";
-    fs::copy(dive / "mav0", blue / "mav0", fs::copy_options::recursive);
+    fs::copy(dive, blue, fs::copy_options::recursive);
     const fs::path out = *folder_ / "with_blue";
     write_changed(
         {.dive = dive, .other = {}, .blue = blue}, {.blue_at_share = 0.5, .blue_s = 1.0}, 7, out);

@@ -34,6 +34,7 @@ struct Options {
     fs::path table;
     fs::path plot;
     bool quick = false;
+    int width_px = 320;
     std::vector<std::string> axes;  // empty: all
 };
 
@@ -73,7 +74,9 @@ json edge(const EnvelopeAxis& axis, const json& runs) {
 }
 
 json report(const Options& options, const fs::path& results) {
-    const EnvelopeScale scale = options.quick ? quick_envelope() : whole_envelope();
+    EnvelopeScale scale = options.quick ? quick_envelope() : whole_envelope();
+    scale.width_px = options.width_px;
+    scale.height_px = 3 * options.width_px / 4;
     EnvelopeRuns runs(options.program, options.cache, results, scale);
     json result = {{"machine", describe_machine()},
                    {"num_runs", 0},
@@ -133,6 +136,9 @@ int main(int argc, char** argv) {
         ->required()
         ->take_last();
     app.add_flag("--quick", options.quick, "one scene, one seed, short dives");
+    app.add_option("--width-px", options.width_px, "of the images, 4 to 3")
+        ->capture_default_str()
+        ->check(CLI::Range(64, 4096));
     app.add_option("--axis", options.axes, "only these, by name")->delimiter(',');
     app.add_option("--keep", options.keep, "keep results in this folder, and go on from there");
     app.add_option("--table", options.table, "write the table to this Markdown file");

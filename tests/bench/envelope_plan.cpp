@@ -171,9 +171,12 @@ const std::vector<EnvelopeAxis>& envelope_axes() {
 }
 
 EnvelopeScale whole_envelope() {
-    return {.scenes = {"barge", "reef"}, .seeds = {61, 62, 63}, .length_m = 4.0};
+    return {
+        .scenes = {"barge", "reef"}, .seeds = {61, 62, 63}, .plain_length_m = 8.0, .length_m = 4.0};
 }
 
-EnvelopeScale quick_envelope() { return {.scenes = {"barge"}, .seeds = {61}, .length_m = 2.0}; }
+EnvelopeScale quick_envelope() {
+    return {.scenes = {"barge"}, .seeds = {61}, .plain_length_m = 5.0, .length_m = 2.0};
+}
 
 }  // namespace divemesh::bench

@@ -28,7 +28,8 @@ const std::vector<EnvelopeAxis>& envelope_axes();
 struct EnvelopeScale {
     std::vector<std::string> scenes;
     std::vector<int> seeds;
-    double length_m = 4.0;
+    double plain_length_m = 8.0;  // of the dives that steps alter
+    double length_m = 4.0;        // of those that are rendered for a step
     int width_px = 320;
     int height_px = 240;
 };

@@ -146,10 +146,16 @@ EnvelopeRuns::EnvelopeRuns(fs::path program,
       scale_(std::move(scale)) {}
 
 json EnvelopeRuns::measured(const EnvelopeRun& run) {
-    if (auto kept = kept_.find(run.name())) return *kept;
+    const std::string name = run.name() + "-" + size();
+    if (auto kept = kept_.find(name)) return *kept;
     const json result = measure(run);
-    kept_.keep(run.name(), result);
+    kept_.keep(name, result);
     return result;
+}
+
+std::string EnvelopeRuns::size() const {
+    return file_name(std::to_string(scale_.width_px) + "px-" +
+                     std::to_string(scale_.plain_length_m) + "-" + std::to_string(scale_.length_m));
 }
 
 json EnvelopeRuns::measure(const EnvelopeRun& run) {
@@ -172,14 +178,17 @@ json EnvelopeRuns::measure(const EnvelopeRun& run) {
 DiveSources EnvelopeRuns::sources_of(const EnvelopeRun& run) const {
     const EnvelopeStep& step = run.step;
     DiveSources sources;
-    sources.dive = rendered(run, step.rendered.empty() ? kPlainDive : step.rendered);
+    sources.dive = step.rendered.empty() ? rendered(run, scale_.plain_length_m, kPlainDive)
+                                         : rendered(run, scale_.length_m, step.rendered);
     if (step.change.imu == DiveChange::Imu::OtherDive)
-        sources.other = rendered({run.axis, step, run.scene, run.seed + kOtherSeed}, kPlainDive);
-    if (step.change.blue_s > 0.0) sources.blue = rendered(run, kBlueDive);
+        sources.other = rendered(
+            {run.axis, step, run.scene, run.seed + kOtherSeed}, scale_.plain_length_m, kPlainDive);
+    if (step.change.blue_s > 0.0) sources.blue = rendered(run, scale_.plain_length_m, kBlueDive);
     return sources;
 }
 
 fs::path EnvelopeRuns::rendered(const EnvelopeRun& run,
+                                double length_m,
                                 const std::vector<std::string>& words) const {
     std::vector<std::string> command = {"simulate",
                                         "--scene",
@@ -187,7 +196,7 @@ fs::path EnvelopeRuns::rendered(const EnvelopeRun& run,
                                         "--seed",
                                         std::to_string(run.seed),
                                         "--length-m",
-                                        std::to_string(scale_.length_m),
+                                        std::to_string(length_m),
                                         "--width-px",
                                         std::to_string(scale_.width_px),
                                         "--height-px",
@@ -230,7 +239,7 @@ json EnvelopeRuns::reconstructed(const EnvelopeRun& run,
 }
 
 json EnvelopeRuns::sift(const EnvelopeRun& run, const fs::path& dive) {
-    const std::string key = images_key(run);
+    const std::string key = images_key(run) + "-" + size();
     if (auto kept = kept_sift_.find(key)) return *kept;
     const TemporaryFolder scratch;
     const json result = sift_run(*dive::Dive::open(dive, scratch.path()));

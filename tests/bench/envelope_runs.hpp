@@ -36,8 +36,10 @@ public:
 
 private:
     std::filesystem::path rendered(const EnvelopeRun& run,
+                                   double length_m,
                                    const std::vector<std::string>& words) const;
     DiveSources sources_of(const EnvelopeRun& run) const;
+    std::string size() const;  // in the names of results
     nlohmann::json measure(const EnvelopeRun& run);
     nlohmann::json reconstructed(const EnvelopeRun& run,
                                  const std::filesystem::path& dive,

@@ -10,6 +10,8 @@ namespace divemesh::bench {
 namespace {
 
 constexpr int kNumFeatures = 2000;
+constexpr int kOctaveLayers = 3;
+constexpr double kContrast = 0.02;       // as COLMAP's; OpenCV's own is too high for hazy water
 constexpr float kRatio = 0.8F;           // Lowe 2004
 constexpr double kMaxEpipolar_px = 1.5;  // from the epipolar line
 constexpr double kMaxReprojection_px = 2.0;
@@ -160,7 +162,7 @@ const SiftChain* SiftPath::longest() const {
 }
 
 SiftPath sift_path(types::Recording& dive) {
-    const auto sift = cv::SIFT::create(kNumFeatures);
+    const auto sift = cv::SIFT::create(kNumFeatures, kOctaveLayers, kContrast);
     const types::Rig& rig = dive.rig();
     SiftPath path;
     Points before;
