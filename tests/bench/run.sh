@@ -13,6 +13,9 @@
 #   tests/bench/run.sh --only reef [--first-seed N] [--seeds N] [--scenes tank,barge,reef] [--each] [--keep DIR]
 # How often the intervals of reef figures hold, over squares of the same dives; with the DIR of the
 # bounds their reconstructions are not made again.
+#   tests/bench/run.sh --only envelope [--quick] [--axis NAME,...] [--keep DIR] [--table FILE] [--plot FILE]
+# Where reconstruction ends: rate, calibration, light and the rest, each walked by itself until it breaks;
+# docs/envelope.md has table and plot. With the DIR of an earlier run it goes on from there.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 if [[ ${1:-} == --only && ${2:-} == upload ]]; then
@@ -36,6 +39,9 @@ fi
 if [[ ${1:-} == --only && ${2:-} == bounds ]]; then
     shift 2
     bench=divemesh_bounds
+elif [[ ${1:-} == --only && ${2:-} == envelope ]]; then
+    shift 2
+    bench=divemesh_envelope_bench
 elif [[ ${1:-} == --only && ${2:-} == reef ]]; then
     shift 2
     bench=divemesh_reef_squares
