@@ -4,6 +4,7 @@
 
 #include "worker/base/text.hpp"
 #include "worker/dive/calibration.hpp"
+#include "worker/dive/clock_set_back.hpp"
 #include "worker/dive/dive_json.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/sensor_tables.hpp"
@@ -37,8 +38,10 @@ private:
     void report_unknown_sensors();
     void read_sensors();
     void read_pairs();
+    void mend_clock(std::vector<CameraRow>& left, std::vector<CameraRow>& right);
     void read_rig();
     void to_imu_frame(const Eigen::Isometry3d& T_body_imu);
+    void check_interruption();
     void check_times();
     template <typename Samples>
     void check_coverage(const Samples& samples, const std::string& sensor, const std::string& file);
@@ -130,9 +133,26 @@ std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camer
 }
 
 void ContentsReader::read_pairs() {
-    const auto left = read_camera_rows("cam0");
-    const auto right = read_camera_rows("cam1");
+    auto left = read_camera_rows("cam0");
+    auto right = read_camera_rows("cam1");
+    mend_clock(left, right);
     contents_.pairs = match_pairs(left, right, findings_);
+}
+
+// Mends the timestamps of all tables that share the recorder's clock.
+void ContentsReader::mend_clock(std::vector<CameraRow>& left, std::vector<CameraRow>& right) {
+    std::vector<TableStamps> tables;
+    const auto add = [&](const std::string& sensor, auto& rows) {
+        if (rows.empty()) return;
+        TableStamps& table = tables.emplace_back(TableStamps{"mav0/" + sensor + "/data.csv", {}});
+        for (auto& row : rows) table.timestamps_ns.push_back(&row.timestamp_ns);
+    };
+    add("cam0", left);
+    add("cam1", right);
+    add("imu0", contents_.imu);
+    add("ahrs0", contents_.ahrs);
+    add("pressure0", contents_.pressure);
+    undo_set_backs(tables, findings_);
 }
 
 std::optional<SensorYaml> ContentsReader::read_yaml(const std::string& file) {
@@ -226,11 +246,40 @@ void ContentsReader::check_coverage(const Samples& samples,
                           "Start this sensor before the cameras and stop it after them.");
 }
 
+// Tells of the longest time in which nothing was recorded at all: neither images nor IMU.
+void ContentsReader::check_interruption() {
+    constexpr std::int64_t kMinInterruption_ns = 2'000'000'000;
+    const auto& pairs = contents_.pairs;
+    const auto after =
+        std::adjacent_find(pairs.begin(), pairs.end(), [&](const FramePair& a, const FramePair& b) {
+            return b.timestamp_ns - a.timestamp_ns > kMinInterruption_ns &&
+                   std::none_of(contents_.imu.begin(),
+                                contents_.imu.end(),
+                                [&](const types::ImuSample& sample) {
+                                    const auto margin_ns = (b.timestamp_ns - a.timestamp_ns) / 10;
+                                    return sample.timestamp_ns > a.timestamp_ns + margin_ns &&
+                                           sample.timestamp_ns < b.timestamp_ns - margin_ns;
+                                });
+        });
+    if (after == pairs.end()) return;
+    findings_.warning(
+        "recording_interrupted",
+        "mav0/cam0/data.csv",
+        "nothing was recorded for " +
+            base::fixed(static_cast<double>((after + 1)->timestamp_ns - after->timestamp_ns) * 1e-9,
+                        1) +
+            " s after frame " + std::to_string(after - pairs.begin()) +
+            ": the recorder paused, or its clock was set forward. What follows is a segment of its "
+            "own unless it comes back to a place that was seen before",
+        "Do not pause in mid-dive and do not set the clock, or begin a new dive.");
+}
+
 void ContentsReader::check_times() {
     const std::string data = "/data.csv";
     check_coverage(contents_.imu, "imu", "mav0/imu0" + data);
     check_coverage(contents_.ahrs, "ahrs", "mav0/ahrs0" + data);
     check_coverage(contents_.pressure, "pressure", "mav0/pressure0" + data);
+    check_interruption();
     check_coverage(
         contents_.ground_truth, "ground_truth", "mav0/state_groundtruth_estimate0" + data);
 }

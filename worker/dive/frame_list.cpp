@@ -69,8 +69,9 @@ std::vector<CameraRow> parse_camera_rows(std::string_view text,
         if (fields.size() < 2 || !entry_name_problem(fields[1]).empty())
             return check.count_malformed(line);
         rows.push_back({*timestamp, folder + "data/" + std::string(fields[1])});
+        check.keep(line);
     });
-    check.report(stamps(rows), kMinPeriod_s);
+    check.finish(rows, kMinPeriod_s, SetBack::Keep);
     return rows;
 }
 

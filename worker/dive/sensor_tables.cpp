@@ -16,10 +16,14 @@ namespace {
 constexpr double kMinPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds give far shorter periods
 constexpr double kMaxReading = 1e9;  // above every sensor's range in any unit; squares stay finite
 
-// Reads rows of a timestamp and N numbers.
-template <std::size_t N, typename Use>
-void for_each_sample(std::string_view text, StampCheck& check, const Use& use) {
-    std::vector<std::int64_t> accepted_ns;
+// Reads rows of a timestamp and N numbers. `use` returns a sample, or nullopt for numbers that are
+// none.
+template <std::size_t N, typename Sample, typename Use>
+std::vector<Sample> read_samples(std::string_view text,
+                                 StampCheck& check,
+                                 SetBack set_back,
+                                 const Use& use) {
+    std::vector<Sample> samples;
     for_each_csv_row(text, [&](std::int64_t line, std::span<const std::string_view> fields) {
         const auto timestamp = check.accept(line, fields[0]);
         if (!timestamp) return;
@@ -34,10 +38,13 @@ void for_each_sample(std::string_view text, StampCheck& check, const Use& use) {
                 return std::abs(value) <= kMaxReading;  // false for NaN
             }))
             return check.count_not_finite(line);
-        if (!use(*timestamp, values)) return check.count_malformed(line);
-        accepted_ns.push_back(*timestamp);
+        const std::optional<Sample> sample = use(*timestamp, values);
+        if (!sample) return check.count_malformed(line);
+        samples.push_back(*sample);
+        check.keep(line);
     });
-    check.report(accepted_ns, kMinPeriod_s);
+    check.finish(samples, kMinPeriod_s, set_back);
+    return samples;
 }
 
 template <typename Get>
@@ -106,12 +113,11 @@ std::optional<Eigen::Quaterniond> unit_quaternion(double w, double x, double y, 
 std::vector<types::ImuSample> parse_imu(std::string_view text,
                                         const std::string& file,
                                         FindingLog& findings) {
-    std::vector<types::ImuSample> samples;
     StampCheck check("imu", file, findings);
-    for_each_sample<6>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
-        samples.push_back({timestamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
-        return true;
-    });
+    auto samples = read_samples<6, types::ImuSample>(
+        text, check, SetBack::Keep, [](std::int64_t timestamp_ns, const auto& v) {
+            return types::ImuSample{timestamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}};
+        });
     check_imu_units(samples, file, findings);
     return samples;
 }
@@ -119,25 +125,22 @@ std::vector<types::ImuSample> parse_imu(std::string_view text,
 std::vector<types::OrientationSample> parse_ahrs(std::string_view text,
                                                  const std::string& file,
                                                  FindingLog& findings) {
-    std::vector<types::OrientationSample> samples;
     StampCheck check("ahrs", file, findings);
-    for_each_sample<4>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
-        const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
-        if (q) samples.push_back({timestamp_ns, *q});
-        return q.has_value();
-    });
-    return samples;
+    return read_samples<4, types::OrientationSample>(
+        text, check, SetBack::Keep, [](std::int64_t timestamp_ns, const auto& v) {
+            const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
+            return q ? std::optional(types::OrientationSample{timestamp_ns, *q}) : std::nullopt;
+        });
 }
 
 std::vector<types::PressureSample> parse_pressure(std::string_view text,
                                                   const std::string& file,
                                                   FindingLog& findings) {
-    std::vector<types::PressureSample> samples;
     StampCheck check("pressure", file, findings);
-    for_each_sample<1>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
-        samples.push_back({timestamp_ns, v[0]});
-        return true;
-    });
+    auto samples = read_samples<1, types::PressureSample>(
+        text, check, SetBack::Keep, [](std::int64_t timestamp_ns, const auto& v) {
+            return types::PressureSample{timestamp_ns, v[0]};
+        });
     const auto absurd =
         std::count_if(samples.begin(), samples.end(), [](const types::PressureSample& s) {
             return s.depth_m < -20.0 || s.depth_m > 11000.0;
@@ -155,18 +158,19 @@ std::vector<types::PressureSample> parse_pressure(std::string_view text,
 types::Trajectory parse_ground_truth(std::string_view text,
                                      const std::string& file,
                                      FindingLog& findings) {
-    types::Trajectory poses;
     StampCheck check("ground_truth", file, findings);
-    for_each_sample<7>(text, check, [&](std::int64_t timestamp_ns, const auto& v) {
-        const auto q = unit_quaternion(v[3], v[4], v[5], v[6]);
-        if (!q || Eigen::Vector3d(v[0], v[1], v[2]).norm() > 1e7) return false;
-        types::StampedPose pose;
-        pose.timestamp_ns = timestamp_ns;
-        pose.T_world_imu = Eigen::Translation3d(v[0], v[1], v[2]) * *q;
-        poses.push_back(pose);
-        return true;
-    });
-    return poses;
+    return read_samples<7, types::StampedPose>(
+        text,
+        check,
+        SetBack::Refuse,
+        [](std::int64_t timestamp_ns, const auto& v) -> std::optional<types::StampedPose> {
+            const auto q = unit_quaternion(v[3], v[4], v[5], v[6]);
+            if (!q || Eigen::Vector3d(v[0], v[1], v[2]).norm() > 1e7) return std::nullopt;
+            types::StampedPose pose;
+            pose.timestamp_ns = timestamp_ns;
+            pose.T_world_imu = Eigen::Translation3d(v[0], v[1], v[2]) * *q;
+            return pose;
+        });
 }
 
 }  // namespace divemesh::dive

@@ -6,7 +6,6 @@
 #include <numbers>
 #include <sstream>
 
-#include "worker/evaluation/path_length.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 
 namespace divemesh::evaluation {
@@ -157,7 +156,7 @@ void add_surface(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected)
 
 void find_large_bounds(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     if (!expected.end_bound_m) return;
-    const double path_m = path_length_m(input.trajectory);
+    const double path_m = input.path_length_m;
     if (*expected.end_bound_m <= std::max(kLarge_m, kLargeShareOfPath * path_m)) return;
     std::ostringstream message;
     message << std::fixed << std::setprecision(2) << "the position at the end may be off by up to "

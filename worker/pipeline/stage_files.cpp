@@ -191,6 +191,9 @@ void save_track(const std::filesystem::path& path,
     put_rig(file, track.rig);
     put_trajectory(file, track.causal);
     put_trajectory(file, track.odometry);
+    file.put_vector(track.motions);
+    file.put_vector(track.breaks_ns);
+    file.put_vector(track.features);
     put_keyframes(file, track.keyframes);
     put_keyframes(file, track.mapped);
     file.put(static_cast<std::uint64_t>(track.landmarks.size()));
@@ -210,6 +213,9 @@ std::optional<types::Track> load_track(const std::filesystem::path& path, const 
     track.rig = get_rig(*file);
     track.causal = get_trajectory(*file);
     track.odometry = get_trajectory(*file);
+    track.motions = file->get_vector<types::MotionSource>();
+    track.breaks_ns = file->get_vector<std::int64_t>();
+    track.features = file->get_vector<types::FrameFeatures>();
     track.keyframes = get_keyframes(*file);
     track.mapped = get_keyframes(*file);
     const auto num_landmarks = file->get<std::uint64_t>();
@@ -230,6 +236,8 @@ void save_optimised_track(const std::filesystem::path& path,
     base::BinaryWriter file(path);
     file.put_text(key);
     put_trajectory(file, track.trajectory);
+    file.put_vector(track.breaks_ns);
+    put_trajectory(file, track.predicted);
     put_keyframes(file, track.keyframes);
     put_keyframes(file, track.mapped);
     put_rig(file, track.rig);
@@ -246,6 +254,8 @@ std::optional<types::OptimisedTrack> load_optimised_track(const std::filesystem:
     if (!file) return std::nullopt;
     types::OptimisedTrack track;
     track.trajectory = get_trajectory(*file);
+    track.breaks_ns = file->get_vector<std::int64_t>();
+    track.predicted = get_trajectory(*file);
     track.keyframes = get_keyframes(*file);
     track.mapped = get_keyframes(*file);
     track.rig = get_rig(*file);
