@@ -20,6 +20,13 @@ std::string list_of(const std::vector<evaluation::TrackingSegment>& segments) {
     return text;
 }
 
+// Returns why a metric was left out, in brackets; "" if it was not.
+std::string reason_of(const evaluation::ExpectedAccuracy& expected, const std::string& metric) {
+    for (const evaluation::LeftOut& left_out : expected.left_out)
+        if (left_out.metric == metric) return " (" + left_out.reason + ")";
+    return "";
+}
+
 }  // namespace
 
 std::optional<Finding> segments_finding(const std::vector<evaluation::TrackingSegment>& segments) {
@@ -44,9 +51,10 @@ std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expecte
         Severity::Warning,
         "scale_untested",
         "",
-        "no known distance, IMU or pressure sensor tested the scale: lengths are as good "
-        "as the calibration of the cameras, and half a degree between them is 10 % or "
-        "more",
+        "no known distance, IMU or pressure sensor tested the scale" +
+            reason_of(expected, "scale.accelerometer") +
+            ": lengths are as good as the calibration of the cameras, and half a degree between "
+            "them is 10 % or more",
         "lay a scale bar or two markers of known distance into the scene, or record an "
         "IMU or a depth sensor and move up and down"};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "worker/base/text.hpp"
 #include "worker/pipeline/measured_poses.hpp"
@@ -25,6 +26,7 @@ constexpr double kSmallShareWithDepth = 0.3;
 // half; above it the cause lies elsewhere.
 constexpr double kSmallOverlap = 0.6;
 constexpr int kGridSize = 12;
+constexpr double kPausePeriods = 5.0;
 
 constexpr const char* kTrackBetter =
     "check that left and right images are sharp, simultaneous and fit the calibration; keep "
@@ -56,6 +58,14 @@ std::vector<Loss> losses_of(const types::Track& track, const std::vector<bool>& 
                                   track.odometry[loss.first > 0 ? loss.first - 1 : 0].timestamp_ns);
     }
     return losses;
+}
+
+double median_period_s(const types::Track& track) {
+    std::vector<double> periods_s;
+    for (std::size_t i = 1; i < track.odometry.size(); ++i)
+        periods_s.push_back(
+            seconds(track.odometry[i].timestamp_ns - track.odometry[i - 1].timestamp_ns));
+    return stats::upper_median(std::move(periods_s));
 }
 
 // Returns which share of an image the next one would see, by the motion that was expected and the
@@ -118,9 +128,12 @@ Cause cause_of(const types::Track& track, const Loss& loss) {
                 "check that both images are equally sharp and bright, simultaneous and fit the "
                 "calibration (divemesh validate DIVE)"};
     const std::size_t next = std::max<std::size_t>(loss.first, 1);
-    const double overlap = expected_overlap(track, next);
     const double interval_s =
         seconds(track.odometry[next].timestamp_ns - track.odometry[next - 1].timestamp_ns);
+    if (loss.first == loss.last && interval_s > kPausePeriods * median_period_s(track))
+        return {"no image was recorded for " + base::fixed(interval_s, 1) + " s",
+                "record without pauses, or come back to a place that was already recorded"};
+    const double overlap = expected_overlap(track, next);
     if (overlap < kSmallOverlap && interval_s > 0.0) return too_little_overlap(overlap, interval_s);
     return {"features could not be followed to the next image, " + base::fixed(interval_s, 2) +
                 " s later",
@@ -157,17 +170,18 @@ Finding finding_on_all(const types::Track& track,
         num_unmeasured += loss.num_unmeasured;
         duration_s += loss.duration_s;
     }
+    std::string message = "the scene was lost " + std::to_string(losses.size()) +
+                          (losses.size() == 1 ? " time" : " times") + ", for " +
+                          base::fixed(duration_s, 1) + " s in all";
     const double share =
         static_cast<double>(num_unmeasured) / static_cast<double>(track.motions.size());
-    return {severity,
-            "tracking_lost",
-            "",
-            "the scene was lost " + std::to_string(losses.size()) +
-                (losses.size() == 1 ? " time" : " times") + ", for " + base::fixed(duration_s, 1) +
-                " s in all: " + std::to_string(num_unmeasured) + " of " +
-                std::to_string(track.motions.size()) + " frames (" + base::fixed(100.0 * share, 1) +
-                " %) have no measured pose; predictions of them are in trajectory_predicted.tum",
-            losses.size() > kMaxLosses ? kTrackBetter : ""};
+    if (num_unmeasured > 0)
+        message += ": " + std::to_string(num_unmeasured) + " of " +
+                   std::to_string(track.motions.size()) + " frames (" +
+                   base::fixed(100.0 * share, 1) +
+                   " %) have no measured pose; predictions of them are in "
+                   "trajectory_predicted.tum";
+    return {severity, "tracking_lost", "", message, losses.size() > kMaxLosses ? kTrackBetter : ""};
 }
 
 }  // namespace
