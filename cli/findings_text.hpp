@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "schemas/finding.hpp"
 
@@ -9,5 +10,9 @@ namespace divemesh::cli {
 // Returns e.g. "error    mav0/cam1/data.csv:3: time goes back (timestamps_backwards)" with the
 // remedy below it.
 std::string finding_text(const Finding& finding);
+
+// Returns the findings of a reconstruction, errors first, and its verdict as the last line: e.g.
+// "verdict: usable with restrictions: path (tracking_lost), scale (scale_untested)".
+std::string verdict_text(const std::vector<Finding>& findings);
 
 }  // namespace divemesh::cli

@@ -4,6 +4,7 @@
 
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
+#include "cli/findings_text.hpp"
 #include "cli/follow.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/metrics_table.hpp"
@@ -11,6 +12,8 @@
 #include "cli/progress_bar.hpp"
 #include "cli/scratch.hpp"
 #include "cli/text.hpp"
+#include "schemas/json.hpp"
+#include "schemas/verdict.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 
 namespace divemesh::cli {
@@ -37,6 +40,27 @@ int print_options(const ReconstructionOptions& options, const Context& context) 
         rows.push_back({row.name, row.value, row.text});
     std::cout << table_text(rows);
     return kExitDone;
+}
+
+// Prints the findings on a dive that is refused, as `divemesh validate` does.
+void print_refusal(const std::vector<Finding>& findings) {
+    if (!has_error(findings)) return;
+    for (const Finding& finding : findings) std::cerr << finding_text(finding);
+}
+
+// Prints metrics, findings and verdict. Returns the exit code: a result that is not usable is a
+// failure, and what there is of it stays in its folder.
+int print_result(const nlohmann::json& metrics, const fs::path& out, const Context& context) {
+    const auto findings = metrics.at("findings").get<std::vector<Finding>>();
+    if (context.json)
+        std::cout << metrics.dump(2) << '\n';
+    else
+        std::cout << metrics_summary(metrics) << verdict_text(findings);
+    const auto error = first_error(findings);
+    if (!error) return kExitDone;
+    std::cerr << "divemesh: " << error->message << ": partial results are in " << out.string()
+              << ", " << error->remedy << '\n';
+    return kExitFailed;
 }
 
 nlohmann::json run_with_bar(const pipeline::ReconstructionRequest& request) {
@@ -66,9 +90,8 @@ int reconstruct(const ReconstructOptions& options, const Context& context) {
     request.resumable = false;  // the folder is removed after this run
     request.preset = options.preset.preset;
     request.options = chosen;
-    const nlohmann::json metrics = run_with_bar(request);
-    std::cout << (context.json ? metrics.dump(2) + "\n" : metrics_summary(metrics));
-    return kExitDone;
+    request.dive_checked = print_refusal;
+    return print_result(run_with_bar(request), options.out, context);
 }
 
 // Adds a flag for one option of the preset.

@@ -43,18 +43,6 @@ void survey_images(StoredDive& dive, IntakeReport& report, const base::ProgressC
                            "recorder again; if there are many, check its card.");
 }
 
-void check_reference_mesh(StoredDive& dive) {
-    try {
-        dive.read_reference_mesh();
-    } catch (const Error& error) {
-        if (error.code() != ErrorCode::BadData) throw;
-        dive.log().error("reference_unreadable",
-                         "reference.ply",
-                         printable(error.what()),
-                         "Write it as PLY with x, y, z and triangles, or remove it.");
-    }
-}
-
 void examine(StoredDive& dive, IntakeReport& report, const base::ProgressCallback& progress) {
     report.name = dive.info().name;
     report.site = dive.info().site;
@@ -62,7 +50,6 @@ void examine(StoredDive& dive, IntakeReport& report, const base::ProgressCallbac
     report.tags = dive.info().tags;
     report.num_frames = dive.num_frames();
     report.duration_s = dive.duration_s();
-    check_reference_mesh(dive);
     dive.hash_contents(part(progress, 0.3, 0.1));
     report.content_sha256 = dive.content_sha256();
     survey_images(dive, report, part(progress, 0.4, 0.6));

@@ -57,6 +57,7 @@ StoredDive::StoredDive(const std::filesystem::path& path,
       reader_(0, kPrefetchedPairs, {}) {
     pair_images();
     check_coverage(contents_, findings_);
+    check_reference_mesh();
     if (!contents_.has_rig) return;
     reader_ =
         FrameReader(num_frames(), kPrefetchedPairs, [this](int index) { return load(index); });
@@ -93,6 +94,18 @@ LoadedPair StoredDive::load(int index) const {
     if (pair.left.image.empty()) return pair;
     pair.right = load_image(files_, files.right, contents_.rig.cam1, limits_, Channels::Grey);
     return pair;
+}
+
+void StoredDive::check_reference_mesh() {
+    try {
+        read_reference_mesh();
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::BadData) throw;
+        findings_.error("reference_unreadable",
+                        kReferenceMesh,
+                        printable(error.what()),
+                        "Write it as PLY with x, y, z and triangles, or remove it.");
+    }
 }
 
 // Detects a calibration of another resolution early; a dive is not refused for a single odd image.

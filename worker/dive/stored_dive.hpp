@@ -48,6 +48,7 @@ public:
 private:
     LoadedPair load(int index) const;
     void pair_images();
+    void check_reference_mesh();
     void check_first_images();
     void report_skipped(const LoadedPair& pair);
 

@@ -10,8 +10,9 @@ namespace {
 
 void add_trajectory_errors(const EvaluationInput& input, Evaluation& evaluation) {
     try {
-        evaluation.trajectory = trajectory_error(largest_segment(input.trajectory, input.keyframes),
-                                                 input.ground_truth);
+        evaluation.trajectory =
+            trajectory_error(largest_segment(input.trajectory, input.keyframes, input.breaks_ns),
+                             input.ground_truth);
         evaluation.causal = trajectory_error(input.causal, input.ground_truth);
         evaluation.covariance =
             check_covariances(input.trajectory, input.covariances, input.ground_truth);

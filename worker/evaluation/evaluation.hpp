@@ -9,6 +9,7 @@
 #include "worker/evaluation/known_distances.hpp"
 #include "worker/evaluation/surface_error.hpp"
 #include "worker/evaluation/trajectory_error.hpp"
+#include "worker/types/breaks.hpp"
 #include "worker/types/mesh.hpp"
 
 namespace divemesh::evaluation {
@@ -19,6 +20,7 @@ struct EvaluationInput {
     const types::Trajectory& causal;
     const types::CovarianceTrack& covariances;  // of the final trajectory; empty: unknown
     const std::vector<types::Keyframe>& keyframes;
+    const types::Breaks& breaks_ns;         // of the final trajectory
     const types::Mesh* mesh;                // null: no surface was requested
     const types::Trajectory& ground_truth;  // empty: no ground truth
     const std::vector<dive::KnownDistance>& known_distances;

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "worker/base/text.hpp"
-#include "worker/evaluation/path_length.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 
 namespace divemesh::evaluation {
@@ -152,7 +151,7 @@ void add_surface(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected)
 
 void find_large_bounds(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     if (!expected.end_bound_m) return;
-    const double path_m = path_length_m(input.trajectory);
+    const double path_m = input.path_length_m;
     if (*expected.end_bound_m <= std::max(kLarge_m, kLargeShareOfPath * path_m)) return;
     expected.findings.push_back({Severity::Warning,
                                  "drift_may_be_large",

@@ -19,6 +19,7 @@ struct ExpectedAccuracyInput {
     const types::Recording& recording;
     const types::Trajectory& trajectory;  // final
     std::size_t num_segments = 1;
+    double path_length_m = 0.0;                 // of the trajectory, over what was measured
     const types::CovarianceTrack& covariances;  // of the trajectory; empty: unknown
     const types::TrackStatistics& track;
     const types::OptimiseStatistics& optimise;

@@ -1,19 +1,42 @@
 #include "worker/evaluation/tracking_segments.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace divemesh::evaluation {
 namespace {
 
-// Returns the segment number of every frame.
+// Gives the frames from the last break before a keyframe on to the segment of that keyframe.
+void move_to_next(const types::Trajectory& trajectory,
+                  const std::vector<types::Keyframe>& keyframes,
+                  const types::Breaks& breaks_ns,
+                  std::vector<std::size_t>& numbers) {
+    std::size_t i = 0;
+    for (std::size_t k = 1; k < keyframes.size(); ++k) {
+        std::optional<std::size_t> last_break;
+        for (; i < trajectory.size() && trajectory[i].timestamp_ns < keyframes[k].timestamp_ns; ++i)
+            if (types::is_break(breaks_ns, trajectory[i].timestamp_ns) &&
+                trajectory[i].timestamp_ns > keyframes[k - 1].timestamp_ns)
+                last_break = i;
+        if (!last_break) continue;
+        std::fill(numbers.begin() + static_cast<std::ptrdiff_t>(*last_break),
+                  numbers.begin() + static_cast<std::ptrdiff_t>(i),
+                  static_cast<std::size_t>(keyframes[k].segment));
+    }
+}
+
+// Returns the segment number of every frame. After a break the frames before the first keyframe of
+// a segment belong to it.
 std::vector<std::size_t> segment_numbers(const types::Trajectory& trajectory,
-                                         const std::vector<types::Keyframe>& keyframes) {
+                                         const std::vector<types::Keyframe>& keyframes,
+                                         const types::Breaks& breaks_ns) {
     std::vector<std::size_t> numbers;
     std::size_t k = 0;
     for (const types::StampedPose& pose : trajectory) {
         while (k + 1 < keyframes.size() && keyframes[k + 1].timestamp_ns <= pose.timestamp_ns) ++k;
         numbers.push_back(keyframes.empty() ? 0 : static_cast<std::size_t>(keyframes[k].segment));
     }
+    move_to_next(trajectory, keyframes, breaks_ns, numbers);
     return numbers;
 }
 
@@ -24,8 +47,9 @@ double distance_m(const types::StampedPose& a, const types::StampedPose& b) {
 }  // namespace
 
 std::vector<TrackingSegment> segments_of(const types::Trajectory& trajectory,
-                                         const std::vector<types::Keyframe>& keyframes) {
-    const std::vector<std::size_t> numbers = segment_numbers(trajectory, keyframes);
+                                         const std::vector<types::Keyframe>& keyframes,
+                                         const types::Breaks& breaks_ns) {
+    const std::vector<std::size_t> numbers = segment_numbers(trajectory, keyframes, breaks_ns);
     std::vector<TrackingSegment> segments;
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
         if (numbers[i] >= segments.size()) segments.resize(numbers[i] + 1);
@@ -33,7 +57,7 @@ std::vector<TrackingSegment> segments_of(const types::Trajectory& trajectory,
         ++segment.num_frames;
         if (i == 0 || numbers[i - 1] != numbers[i])
             segment.intervals.push_back({trajectory[i].timestamp_ns, 0});
-        else
+        else if (!types::is_break(breaks_ns, trajectory[i].timestamp_ns))
             segment.path_length_m += distance_m(trajectory[i - 1], trajectory[i]);
         segment.intervals.back().last_ns = trajectory[i].timestamp_ns;
     }
@@ -45,14 +69,15 @@ std::vector<TrackingSegment> segments_of(const types::Trajectory& trajectory,
 }
 
 types::Trajectory largest_segment(const types::Trajectory& trajectory,
-                                  const std::vector<types::Keyframe>& keyframes) {
-    const std::vector<TrackingSegment> segments = segments_of(trajectory, keyframes);
+                                  const std::vector<types::Keyframe>& keyframes,
+                                  const types::Breaks& breaks_ns) {
+    const std::vector<TrackingSegment> segments = segments_of(trajectory, keyframes, breaks_ns);
     const auto largest = std::max_element(
         segments.begin(), segments.end(), [](const TrackingSegment& a, const TrackingSegment& b) {
             return a.num_frames < b.num_frames;
         });
     const auto wanted = static_cast<std::size_t>(largest - segments.begin());
-    const std::vector<std::size_t> numbers = segment_numbers(trajectory, keyframes);
+    const std::vector<std::size_t> numbers = segment_numbers(trajectory, keyframes, breaks_ns);
     types::Trajectory result;
     for (std::size_t i = 0; i < trajectory.size(); ++i)
         if (numbers[i] == wanted) result.push_back(trajectory[i]);

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "worker/types/breaks.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/recording.hpp"
 
@@ -21,12 +22,16 @@ struct TrackingSegment {
 };
 
 // Returns the segments in the order of their numbers. A frame belongs to the segment of the last
-// keyframe before it; the frames before the first keyframe belong to its segment.
+// keyframe before it; the frames before the first keyframe, and those between a break
+// (`breaks_ns`) and the next keyframe, belong to that keyframe's. A motion that was not
+// measured does not count towards the path.
 std::vector<TrackingSegment> segments_of(const types::Trajectory& trajectory,
-                                         const std::vector<types::Keyframe>& keyframes);
+                                         const std::vector<types::Keyframe>& keyframes,
+                                         const types::Breaks& breaks_ns = {});
 
 // Returns the frames of the segment that has the most.
 types::Trajectory largest_segment(const types::Trajectory& trajectory,
-                                  const std::vector<types::Keyframe>& keyframes);
+                                  const std::vector<types::Keyframe>& keyframes,
+                                  const types::Breaks& breaks_ns = {});
 
 }  // namespace divemesh::evaluation

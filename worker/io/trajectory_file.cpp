@@ -169,8 +169,11 @@ std::string_view to_string(TrajectoryFormat format) {
     return "";
 }
 
-void write_tum(const std::filesystem::path& file, const types::Trajectory& trajectory) {
+void write_tum(const std::filesystem::path& file,
+               const types::Trajectory& trajectory,
+               const std::string& remark) {
     base::AtomicFile output(file);
+    if (!remark.empty()) output.write("# " + remark + "\n");
     output.write("# timestamp_s x_m y_m z_m qx qy qz qw\n");
     for (const auto& [timestamp_ns, pose] : trajectory) {
         const Eigen::Vector3d p = pose.translation();

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 
 #include "worker/types/recording.hpp"
@@ -20,8 +21,10 @@ struct TrajectoryFile {
 };
 
 // Writes the tum format. Timestamps keep their nanoseconds; positions and quaternions have nine
-// decimals.
-void write_tum(const std::filesystem::path& file, const types::Trajectory& trajectory);
+// decimals. A remark is a comment of one line at the top.
+void write_tum(const std::filesystem::path& file,
+               const types::Trajectory& trajectory,
+               const std::string& remark = "");
 // Writes the first eight columns of EuRoC's state_groundtruth_estimate0/data.csv, at the same
 // precision.
 void write_euroc(const std::filesystem::path& file, const types::Trajectory& trajectory);

@@ -15,9 +15,14 @@ Eigen::Vector3d WorldScale::center_of(const types::Trajectory& trajectory) const
 }
 
 types::Trajectory WorldScale::applied(const types::Trajectory& trajectory) const {
+    return applied(trajectory, trajectory);
+}
+
+types::Trajectory WorldScale::applied(const types::Trajectory& beside,
+                                      const types::Trajectory& trajectory) const {
     const Eigen::Vector3d center_world = center_of(trajectory);
     const Eigen::Isometry3d T_cam_imu = T_imu_cam_.inverse();
-    types::Trajectory result = trajectory;
+    types::Trajectory result = beside;
     for (types::StampedPose& pose : result)
         pose.T_world_imu = scaled(pose.T_world_imu * T_imu_cam_, center_world) * T_cam_imu;
     return result;

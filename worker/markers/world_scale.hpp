@@ -20,6 +20,9 @@ public:
         : factor_(factor), T_imu_cam_(T_imu_cam) {}
 
     types::Trajectory applied(const types::Trajectory& trajectory) const;
+    // Returns poses beside the trajectory, scaled with it.
+    types::Trajectory applied(const types::Trajectory& beside,
+                              const types::Trajectory& trajectory) const;
     // Scales keyframes of the trajectory's world, about the trajectory's first camera.
     std::vector<types::Keyframe> applied(const std::vector<types::Keyframe>& keyframes,
                                          const types::Trajectory& trajectory) const;

@@ -37,6 +37,12 @@ types::Features without_dynamic_features(const types::Features& tracks,
     return features;
 }
 
+types::FrameFeatures feature_counts(const types::Features& features) {
+    return {static_cast<std::int32_t>(features.size()),
+            static_cast<std::int32_t>(
+                std::count_if(features.begin(), features.end(), types::has_depth))};
+}
+
 types::Features static_features(const Registration& motion) {
     types::Features features;
     if (!motion.found) return features;

@@ -8,6 +8,7 @@
 #include "worker/odometry/with_depth_at_both_times.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/rectified_rig.hpp"
+#include "worker/types/track.hpp"
 
 // The handling of features between the steps of one frame and the next.
 namespace divemesh::odometry {
@@ -27,6 +28,8 @@ types::Features without_dynamic_features(const types::Features& tracks,
 
 // Returns the inliers of the motion as features at their current positions.
 types::Features static_features(const Registration& motion);
+
+types::FrameFeatures feature_counts(const types::Features& features);
 
 // Adds features that the tracker had lost and finds again once the motion is known.
 void add_lost_features(const types::RectifiedFrame& frame,

@@ -17,6 +17,7 @@
 #include "worker/optimisation/residuals/orientation_prior.hpp"
 #include "worker/optimisation/residuals/pressure_depth.hpp"
 #include "worker/optimisation/residuals/random_walk.hpp"
+#include "worker/optimisation/residuals/relative_pose.hpp"
 #include "worker/optimisation/residuals/stereo_reprojection.hpp"
 #include "worker/optimisation/residuals/vector_prior.hpp"
 #include "worker/optimisation/solver_progress.hpp"
@@ -129,6 +130,17 @@ void BundleAdjustment::add_imu_preintegration(BodyState& from,
     own.add_walk(gyroscope, to.bias.gyroscope.data(), noise.gyroscope_random_walk, duration_s);
     own.add_walk(
         accelerometer, to.bias.accelerometer.data(), noise.accelerometer_random_walk, duration_s);
+}
+
+void BundleAdjustment::add_present_motion(BodyState& from,
+                                          BodyState& to,
+                                          double sigma_m,
+                                          double sigma_rad) {
+    auto& own = *implementation_;
+    const Eigen::Isometry3d T_from_to = from.T_world_imu().inverse() * to.T_world_imu();
+    own.add(RelativePose::create(T_from_to, sigma_m, sigma_rad),
+            nullptr,
+            {own.q(from), from.p_world_imu.data(), own.q(to), to.p_world_imu.data()});
 }
 
 void BundleAdjustment::add_gyroscope_bias(BodyState& state,

@@ -27,29 +27,47 @@ std::size_t frame_at(const types::Trajectory& frames, std::int64_t timestamp_ns)
     return static_cast<std::size_t>(found - frames.begin());
 }
 
+Ties ties_between(const types::Trajectory& odometry,
+                  const types::Breaks& breaks_ns,
+                  std::size_t from,
+                  std::size_t to) {
+    Ties ties{to, from, false};
+    for (std::size_t i = from + 1; i <= to && i < odometry.size(); ++i) {
+        if (!types::is_break(breaks_ns, odometry[i].timestamp_ns)) continue;
+        if (!ties.broken) ties.end_of_first = i;
+        ties.begin_of_second = i;
+        ties.broken = true;
+    }
+    return ties;
+}
+
 types::Trajectory follow_keyframes(const types::Trajectory& odometry,
                                    const std::vector<types::Keyframe>& keyframes,
-                                   const Eigen::Isometry3d& T_imu_cam) {
+                                   const Eigen::Isometry3d& T_imu_cam,
+                                   const types::Breaks& breaks_ns) {
     types::Trajectory result = odometry;
     for (std::size_t k = 0; k < keyframes.size(); ++k) {
         const bool last = k + 1 == keyframes.size();
         const bool ends = last || keyframes[k + 1].segment != keyframes[k].segment;
-        const std::size_t from = k == 0 ? 0 : frame_at(odometry, keyframes[k].timestamp_ns);
+        const std::size_t from = frame_at(odometry, keyframes[k].timestamp_ns);
         const std::size_t to =
             last ? odometry.size() : frame_at(odometry, keyframes[k + 1].timestamp_ns);
+        const Ties ties = ties_between(odometry, breaks_ns, from, to);
         const Eigen::Isometry3d T_world_from = keyframes[k].T_world_cam * T_imu_cam.inverse();
-        for (std::size_t i = from; i < to; ++i) {
+        for (std::size_t i = k == 0 ? 0 : from; i < to; ++i) {
             const Eigen::Isometry3d forward =
                 T_world_from * odometry[from].T_world_imu.inverse() * odometry[i].T_world_imu;
             result[i].T_world_imu = forward;
-            if (ends) continue;
+            const bool tied_to_next = !last && ties.broken && i >= ties.begin_of_second;
+            if ((ends && !tied_to_next) || i < from) continue;
+            if (ties.broken && i < ties.end_of_first) continue;
             const Eigen::Isometry3d backward = keyframes[k + 1].T_world_cam * T_imu_cam.inverse() *
                                                odometry[to].T_world_imu.inverse() *
                                                odometry[i].T_world_imu;
             const double share =
                 static_cast<double>(odometry[i].timestamp_ns - odometry[from].timestamp_ns) /
                 static_cast<double>(odometry[to].timestamp_ns - odometry[from].timestamp_ns);
-            result[i].T_world_imu = blend(forward, backward, share);
+            result[i].T_world_imu = tied_to_next ? backward : blend(forward, backward, share);
         }
     }
     return result;

@@ -65,7 +65,8 @@ Variance step_variance(const std::vector<Interval>& intervals) {
 types::CovarianceTrack covariances_at(const types::CovarianceTrack& covariances,
                                       const types::Trajectory& odometry,
                                       const std::vector<types::Keyframe>& keyframes,
-                                      const Eigen::Isometry3d& T_imu_cam) {
+                                      const Eigen::Isometry3d& T_imu_cam,
+                                      const types::Breaks& breaks_ns) {
     types::CovarianceTrack result;
     if (covariances.empty()) return result;
     for (const types::StampedPose& frame : odometry)
@@ -78,9 +79,16 @@ types::CovarianceTrack covariances_at(const types::CovarianceTrack& covariances,
     const Variance step = step_variance(tied);
     for (const Interval& interval : tied) {
         const double num = interval.num_steps();
+        const Ties ties = ties_between(odometry, breaks_ns, interval.from, interval.to);
         const Variance whole{std::max(num * step.position_m2, interval.missed.position_m2),
                              std::max(num * step.rotation_rad2, interval.missed.rotation_rad2)};
         for (std::size_t i = interval.from + 1; i < interval.to; ++i) {
+            if (ties.broken && (i < ties.end_of_first || i >= ties.begin_of_second)) {
+                const std::size_t away =
+                    i < ties.end_of_first ? i - interval.from : interval.to - i;
+                add(i, step, static_cast<double>(away));
+                continue;
+            }
             const double share = static_cast<double>(i - interval.from) / num;
             add(i, whole, share * (1.0 - share));
         }

@@ -98,6 +98,7 @@ GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                        const imu::InertialPrior& inertial,
                                        std::vector<types::Keyframe>& keyframes,
                                        std::vector<types::Landmark>& landmarks,
+                                       const std::vector<PredictedMotion>& predicted,
                                        const base::ProgressCallback& progress,
                                        const Progress& at) {
     std::vector<BodyState> states;
@@ -114,6 +115,9 @@ GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                               landmarks[i].p_world,
                                               measurement_px(seen),
                                               types::kFeatureSigma_px);
+    for (const PredictedMotion& motion : predicted)
+        bundle_adjustment.add_present_motion(
+            states[motion.to - 1], states[motion.to], motion.sigma_m, motion.sigma_rad);
     WorldReference reference;
     add_inertial_factors(bundle_adjustment, inertial, keyframes, states, reference);
     types::SolverOutcome outcome = bundle_adjustment.solve_sparse(kMaxIterations, progress, at);

@@ -24,13 +24,23 @@ struct GlobalBundleAdjustment {
     std::size_t landmark_stride = 1;  // every n-th landmark was adjusted
 };
 
+// The motion to a keyframe from the one before, where nothing measured it: as predicted, with the
+// standard deviations of the motion model.
+struct PredictedMotion {
+    std::size_t to = 0;
+    double sigma_m = 0.0;
+    double sigma_rad = 0.0;
+};
+
 // Adjusts all keyframes and landmarks of a dive together, with the inertial sensors between
 // keyframes and, weakly, the AHRS at them. The first keyframe stays fixed. Landmarks are thinned
-// evenly, so that an hour-long dive can be solved.
+// evenly, so that an hour-long dive can be solved. Predicted motions tie what nothing else ties, so
+// that the covariance grows over them as the motion model's does.
 GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                        const imu::InertialPrior& inertial,
                                        std::vector<types::Keyframe>& keyframes,
                                        std::vector<types::Landmark>& landmarks,
+                                       const std::vector<PredictedMotion>& predicted,
                                        const base::ProgressCallback& progress,
                                        const Progress& at);
 

@@ -28,7 +28,9 @@ void write_cloud(Reconstruction& made, std::shared_ptr<const fusion::OctreeVolum
 
 }  // namespace
 
-bool surface_wanted(const Reconstruction& made) { return made.options().surface; }
+bool surface_wanted(const Reconstruction& made) {
+    return made.options().surface && !made.has_failed();
+}
 
 bool load_fuse(Reconstruction& made, const std::string& key) {
     const auto metrics = load_cloud_metrics(made.scratch("cloud.stage"), key);

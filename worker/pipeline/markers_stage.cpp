@@ -1,8 +1,6 @@
 #include <optional>
 
 #include "worker/camera/rerectifier.hpp"
-#include "worker/io/covariance_file.hpp"
-#include "worker/io/trajectory_file.hpp"
 #include "worker/markers/measure_bars.hpp"
 #include "worker/markers/survey_markers.hpp"
 #include "worker/pipeline/stage_functions.hpp"
@@ -31,6 +29,7 @@ std::vector<markers::TagView> find_tags(Reconstruction& made,
 void apply(const markers::WorldScale& scale, types::OptimisedTrack& optimised) {
     optimised.keyframes = scale.applied(optimised.keyframes, optimised.trajectory);
     optimised.mapped = scale.applied(optimised.mapped, optimised.trajectory);
+    optimised.predicted = scale.applied(optimised.predicted, optimised.trajectory);
     optimised.trajectory = scale.applied(optimised.trajectory);
     optimised.covariances = scale.applied(optimised.covariances);
 }
@@ -44,9 +43,7 @@ void scale_world(double factor, Reconstruction& made) {
     made.track.causal =
         markers::WorldScale(factor, made.track.rig.T_imu_cam).applied(made.track.causal);
     made.track.statistics.median_depth_m *= factor;
-    io::write_tum(made.artifact("trajectory_causal.tum"), made.track.causal);
-    io::write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
-    io::write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
+    write_trajectories(made);
 }
 
 void correct_scale(const std::vector<markers::TagView>& views, Reconstruction& made) {
@@ -63,7 +60,9 @@ void correct_scale(const std::vector<markers::TagView>& views, Reconstruction& m
 
 }  // namespace
 
-bool markers_wanted(const Reconstruction& made) { return made.marker_plan.has_value(); }
+bool markers_wanted(const Reconstruction& made) {
+    return made.marker_plan.has_value() && !made.has_failed();
+}
 
 void run_markers(Reconstruction& made, const base::ProgressCallback& progress) {
     const auto views = find_tags(made, progress);

@@ -8,6 +8,7 @@
 
 #include "schemas/content_hash.hpp"
 #include "schemas/json.hpp"
+#include "schemas/verdict.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/text.hpp"
 #include "worker/camera/rectified_lens.hpp"
@@ -134,6 +135,8 @@ json frames(const MetricsInput& input) {
     return {{"num_frames", track.num_frames},
             {"num_skipped_frames", track.num_skipped_frames},
             {"num_frames_tracked", track.num_frames_tracked},
+            {"num_frames_by_imu", input.num_frames_by_imu},
+            {"num_frames_predicted", input.num_frames_predicted},
             {"num_degenerate_frames", track.num_degenerate_frames},
             {"coverage", rate(track.num_frames_tracked, static_cast<double>(track.num_frames))},
             {"num_keyframes", input.num_keyframes}};
@@ -337,6 +340,8 @@ json metrics_document(const MetricsInput& input) {
     }
     if (const auto too_near = find_too_near(input)) findings.push_back(*too_near);
     document["findings"] = findings;
+    document["verdict"] = to_string(verdict_on(findings));
+    document["restrictions"] = restrictions_of(findings);
     return document;
 }
 

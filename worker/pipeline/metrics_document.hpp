@@ -53,7 +53,9 @@ struct MetricsInput {
     types::OptimiseStatistics optimise;
     std::int64_t num_keyframes = 0;
     std::int64_t num_landmarks = 0;
-    double path_length_m = 0.0;  // of the final trajectory, all segments
+    std::int64_t num_frames_by_imu = 0;     // the IMU alone measured the motion to them
+    std::int64_t num_frames_predicted = 0;  // nothing measured their pose
+    double path_length_m = 0.0;             // of the final trajectory, over what was measured
     std::vector<evaluation::TrackingSegment> segments;
     std::optional<MeshMetrics> mesh;                // nullopt: no surface was requested
     std::optional<markers::MarkerMetrics> markers;  // nullopt: markers were not searched for

@@ -1,12 +1,27 @@
+#include <filesystem>
 #include <iterator>
 #include <memory>
 
 #include "worker/io/covariance_file.hpp"
 #include "worker/io/trajectory_file.hpp"
+#include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 
 namespace divemesh::pipeline {
+
+void write_trajectories(const Reconstruction& made) {
+    io::write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
+    io::write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
+    io::write_tum(made.artifact("trajectory_causal.tum"), measured_causal(made.track));
+    const auto predicted = made.artifact("trajectory_predicted.tum");
+    if (made.optimised.predicted.empty())
+        std::filesystem::remove(predicted);
+    else
+        io::write_tum(predicted,
+                      made.optimised.predicted,
+                      "predicted by the motion model: nothing measured these poses");
+}
 
 bool load_optimise(Reconstruction& made, const std::string& key) {
     auto stored = load_optimised_track(made.scratch("optimise.stage"), key);
@@ -29,8 +44,7 @@ void finish_optimise(Reconstruction& made) {
             made.keyframe_store.rerectified(std::make_shared<camera::KeyframeRerectifier>(
                 made.track.rig,
                 camera::Rerectifier(made.dive.rig(), made.track.rig, calibration.applied_lenses)));
-    io::write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
-    io::write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
+    write_trajectories(made);
     // Frees memory that the later stages of an hour-long dive need.
     made.num_landmarks = std::ssize(made.track.landmarks);
     made.track.landmarks = {};

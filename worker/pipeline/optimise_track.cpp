@@ -52,6 +52,7 @@ private:
     void find_loops();
     types::Track closed_track();
     void drop_loops(const std::string& why);
+    std::vector<optimisation::PredictedMotion> predicted_motions() const;
     void refine_calibration(const types::Track& closed);
     bool adjust(types::Track closed);
     void adjust_with_less();
@@ -132,14 +133,34 @@ void TrackOptimiser::refine_calibration(const types::Track& closed) {
     }
 }
 
+// Returns the motions between keyframes over which the scene was lost and no IMU measured either.
+std::vector<optimisation::PredictedMotion> TrackOptimiser::predicted_motions() const {
+    const std::vector<types::Keyframe>& keyframes = track_.keyframes;
+    std::vector<optimisation::PredictedMotion> motions;
+    for (std::size_t k = 1; k < keyframes.size(); ++k) {
+        if (drift_.segment(k) == drift_.segment(k - 1) ||
+            inertial_.motion(keyframes[k - 1].timestamp_ns, keyframes[k].timestamp_ns))
+            continue;
+        motions.push_back(
+            {k, drift_.position_sigma_m(k - 1, k), drift_.orientation_sigma_rad(k - 1, k)});
+    }
+    return motions;
+}
+
 // Adjusts the whole dive with the refined calibration. Returns false and takes no result if the
 // track got worse.
 bool TrackOptimiser::adjust(types::Track closed) {
     inertial_.align({result_.calibration.applied_alignment().time_offset_s});
     calibration::apply_calibration(recording_.rig(), result_.calibration, closed);
     base::return_freed_memory();
-    const optimisation::GlobalBundleAdjustment adjusted = optimisation::adjust_globally(
-        closed.rig, inertial_, closed.keyframes, closed.landmarks, progress_, at(0.6));
+    const optimisation::GlobalBundleAdjustment adjusted =
+        optimisation::adjust_globally(closed.rig,
+                                      inertial_,
+                                      closed.keyframes,
+                                      closed.landmarks,
+                                      predicted_motions(),
+                                      progress_,
+                                      at(0.6));
     result_.statistics.bundle_adjustment.add(adjusted.outcome);
     types::TrackCheck& check = result_.statistics.check;
     check.before = agreement(track_, track_, adjusted.landmark_stride, drift_);
@@ -195,10 +216,14 @@ void TrackOptimiser::take(types::Track& closed,
                           const optimisation::GlobalBundleAdjustment& adjusted) {
     result_.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
     loops::separate_segments(kReach * track_.statistics.median_depth_m, closed.keyframes);
-    result_.trajectory =
-        optimisation::follow_keyframes(closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
-    result_.covariances = optimisation::covariances_at(
-        adjusted.covariances, closed.odometry, closed.keyframes, closed.rig.T_imu_cam);
+    result_.trajectory = optimisation::follow_keyframes(
+        closed.odometry, closed.keyframes, closed.rig.T_imu_cam, track_.breaks_ns);
+    result_.breaks_ns = track_.breaks_ns;
+    result_.covariances = optimisation::covariances_at(adjusted.covariances,
+                                                       closed.odometry,
+                                                       closed.keyframes,
+                                                       closed.rig.T_imu_cam,
+                                                       track_.breaks_ns);
     result_.statistics.path =
         optimisation::with_frames_between(adjusted.path, adjusted.covariances, result_.covariances);
     loops::add_residuals(loops_, closed.keyframes, result_.statistics.loops);

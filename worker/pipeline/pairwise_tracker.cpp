@@ -64,6 +64,8 @@ TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
         keyframes_.push_back({frame.index, now_ns, motion_.T_world_cam()});
     }
     TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), moving_.before(), {}};
+    tracked.by_vision = vision.found;
+    tracked.features = odometry::feature_counts(features_);
     if (keep || (vision.found && mapping_rule_.due(features_))) {
         mapping_rule_.taken(features_);
         tracked.to_map = {std::move(depth),

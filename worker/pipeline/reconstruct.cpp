@@ -1,11 +1,14 @@
 #include "worker/pipeline/reconstruct.hpp"
 
 #include "worker/base/background_task.hpp"
+#include "worker/imu/inertial_prior.hpp"
 #include "worker/mesh/extract_surface.hpp"
 #include "worker/pipeline/depth_view_prefetcher.hpp"
+#include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/optimise_track.hpp"
 #include "worker/pipeline/pairwise_tracker.hpp"
 #include "worker/pipeline/solver_findings.hpp"
+#include "worker/pipeline/tracking_findings.hpp"
 #include "worker/pipeline/window_tracker.hpp"
 
 namespace divemesh::pipeline {
@@ -16,6 +19,7 @@ constexpr std::size_t kCloudStep = 6;  // every n-th mapped frame
 types::OptimisedTrack as_tracked(const types::Track& track) {
     types::OptimisedTrack result;
     result.trajectory = track.causal;
+    result.breaks_ns = track.breaks_ns;
     result.keyframes = track.keyframes;
     result.mapped = track.mapped;
     result.rig = track.rig;
@@ -28,8 +32,13 @@ types::Track track(types::Recording& recording,
                    const ReconstructionOptions& options,
                    const keyframes::KeyframeStore& store,
                    const base::ProgressCallback& progress) {
-    return options.estimator == "pairwise" ? track_pairwise(recording, options, store, progress)
-                                           : track_window(recording, options, store, progress);
+    types::Track result = options.estimator == "pairwise"
+                              ? track_pairwise(recording, options, store, progress)
+                              : track_window(recording, options, store, progress);
+    bridge_by_imu(imu::InertialPrior(recording, options), result);
+    result.breaks_ns = breaks_of(result);
+    drop_unmeasured_keyframes(result);
+    return result;
 }
 
 types::OptimisedTrack optimise(const types::Track& track,
@@ -37,16 +46,26 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const ReconstructionOptions& options,
                                const keyframes::KeyframeStore& store,
                                const base::ProgressCallback& progress) {
-    require_tracked(track.statistics);
-    const bool whole_dive = options.adjust_whole_dive && options.estimator != "pairwise" &&
+    const auto untracked = too_little_tracked(track);
+    const bool whole_dive = !untracked && options.adjust_whole_dive &&
+                            options.estimator != "pairwise" &&
                             track.keyframes.size() >= 2;  // the paper ends before this
     types::OptimisedTrack result =
         whole_dive ? optimise_track(track, recording, options, store, progress) : as_tracked(track);
-    require_converged(track, result);
-    auto findings = track.findings;
-    const auto lost = tracking_findings(track.statistics);
+    std::vector<Finding> findings = track.findings;
+    const auto lost = tracking_findings(track);
     findings.insert(findings.end(), lost.begin(), lost.end());
+    const auto of_solvers = window_findings(track.statistics);
+    findings.insert(findings.end(), of_solvers.begin(), of_solvers.end());
+    if (untracked) {
+        findings.insert(findings.begin(), *untracked);
+    } else if (const auto finding = divergence(track, result)) {
+        findings.insert(findings.begin(), *finding);
+        findings.insert(findings.end(), result.findings.begin(), result.findings.end());
+        result = as_tracked(track);
+    }
     result.findings.insert(result.findings.begin(), findings.begin(), findings.end());
+    set_predicted_apart(result);
     return result;
 }
 

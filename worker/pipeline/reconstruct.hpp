@@ -29,8 +29,8 @@ types::Track track(types::Recording& recording,
                    const base::ProgressCallback& progress);
 
 // Returns the optimised track: loops closed, all keyframes adjusted, calibration refined. The
-// pairwise estimator's track stays as it is. Throws Error{BadData} if hardly any frame was tracked,
-// or if the result diverged.
+// pairwise estimator's track stays as it is. If hardly any frame was tracked, or the result
+// diverged, an error is among its findings.
 types::OptimisedTrack optimise(const types::Track& track,
                                const types::Recording& recording,
                                const ReconstructionOptions& options,

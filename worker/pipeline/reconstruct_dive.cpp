@@ -34,7 +34,7 @@ nlohmann::json write_documents(const Reconstruction& made) {
                                           .trajectory = made.optimised.trajectory,
                                           .evaluation = made.evaluation,
                                           .image_png = made.thumbnail_png}));
-    write_exports(made);
+    if (!made.has_failed()) write_exports(made);
     return document;
 }
 

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "schemas/finding.hpp"
 #include "schemas/job.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "worker/base/observer.hpp"
@@ -30,12 +31,17 @@ struct ReconstructionRequest {
     std::string preset = "standard";
     ReconstructionOptions options;
     std::function<void(const StageRun&)> stage_done = [](const StageRun&) {};
+    // Called with the findings on the dive before anything is made of it, or refused.
+    std::function<void(const std::vector<Finding>&)> dive_checked =
+        [](const std::vector<Finding>&) {};
 };
 
 // Reconstructs a dive: opens it, runs the table of stages (reconstruction_stages.hpp), and writes
 // trajectory, cloud, mesh, mosaic, keyframes, metrics.json and report.html; with options.surface
-// false only what follows from the trajectory. Returns the content of metrics.json. Throws
-// Error{BadData} with the first error among the findings, Error{Cancelled}, Error{OutOfSpace}.
+// false only what follows from the trajectory. Returns the content of metrics.json. If no usable
+// model follows from the dive, its verdict says so and its findings why; what is known until then
+// is written nevertheless. Throws Error{BadData} with the first error among the findings on the
+// dive, Error{Cancelled}, Error{OutOfSpace}.
 nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
                                 const base::ProgressCallback& progress);
 

@@ -9,6 +9,7 @@ namespace {
 
 std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
     auto dive = dive::Dive::open(request.dive, request.scratch / "dive");
+    request.dive_checked(dive->findings());
     for (const Finding& finding : dive->findings())
         if (finding.severity == Severity::Error)
             throw Error(ErrorCode::BadData,

@@ -32,6 +32,8 @@ struct Reconstruction {
     explicit Reconstruction(const ReconstructionRequest& made_for);
 
     const ReconstructionOptions& options() const { return request.options; }
+    // Returns true once an error is among the findings on the track: no surface can follow.
+    bool has_failed() const { return has_error(optimised.findings); }
     std::filesystem::path artifact(const std::string& name) const { return request.out / name; }
     std::filesystem::path scratch(const std::string& name) const { return request.scratch / name; }
 

@@ -1,19 +1,30 @@
 #include "worker/pipeline/reconstruction_metrics.hpp"
 
-#include "worker/evaluation/path_length.hpp"
+#include <algorithm>
+
 #include "worker/evaluation/surface_samples.hpp"
+#include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/metrics_document.hpp"
+#include "worker/pipeline/result_findings.hpp"
 
 namespace divemesh::pipeline {
 namespace {
 
-evaluation::ExpectedAccuracy expected(const Reconstruction& made) {
+using Segments = std::vector<evaluation::TrackingSegment>;
+
+double path_length_m(const Segments& segments) {
+    double length_m = 0.0;
+    for (const evaluation::TrackingSegment& segment : segments) length_m += segment.path_length_m;
+    return length_m;
+}
+
+evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments& segments) {
     const auto& known = made.evaluation.known_distances;
     return evaluation::expected_accuracy(
         {.recording = made.dive,
          .trajectory = made.optimised.trajectory,
-         .num_segments =
-             evaluation::segments_of(made.optimised.trajectory, made.optimised.keyframes).size(),
+         .num_segments = segments.size(),
+         .path_length_m = path_length_m(segments),
          .covariances = made.optimised.covariances,
          .track = made.track.statistics,
          .optimise = made.optimised.statistics,
@@ -35,10 +46,20 @@ std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
 }
 
 // Returns the findings about the dive, then those about its reconstruction.
-std::vector<Finding> findings(const Reconstruction& made) {
+std::vector<Finding> findings(const Reconstruction& made,
+                              const Segments& segments,
+                              const evaluation::ExpectedAccuracy& expected) {
     std::vector<Finding> all = made.dive.findings();
     const std::vector<Finding>& later = made.optimised.findings;
     all.insert(all.end(), later.begin(), later.end());
+    if (made.has_failed()) return all;
+    const auto add = [&](const std::optional<Finding>& finding) {
+        if (finding) all.push_back(*finding);
+    };
+    add(segments_finding(segments));
+    add(scale_finding(expected, made.markers));
+    add(bounds_finding(expected, segments.size()));
+    if (made.options().surface) add(surface_finding(std::ssize(made.surface.mesh.triangles)));
     return all;
 }
 
@@ -48,9 +69,10 @@ evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
     return evaluation::evaluate_reconstruction(
         {.rig = made.scale ? made.scale->applied(made.dive.rig()) : made.dive.rig(),
          .trajectory = made.optimised.trajectory,
-         .causal = made.track.causal,
+         .causal = measured_causal(made.track),
          .covariances = made.optimised.covariances,
          .keyframes = made.optimised.keyframes,
+         .breaks_ns = made.optimised.breaks_ns,
          .mesh = made.request.options.surface ? &made.surface.mesh : nullptr,
          .ground_truth = made.dive.ground_truth(),
          .known_distances = made.dive.known_distances(),
@@ -59,6 +81,9 @@ evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
 }
 
 nlohmann::json metrics_of(const Reconstruction& made) {
+    const Segments segments = evaluation::segments_of(
+        made.optimised.trajectory, made.optimised.keyframes, made.optimised.breaks_ns);
+    const evaluation::ExpectedAccuracy accuracy = expected(made, segments);
     return metrics_document(
         {.version = DIVEMESH_VERSION,
          .preset = made.request.preset,
@@ -77,14 +102,17 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .optimise = made.optimised.statistics,
          .num_keyframes = std::ssize(made.optimised.keyframes),
          .num_landmarks = made.num_landmarks,
-         .path_length_m = evaluation::path_length_m(made.optimised.trajectory),
-         .segments = evaluation::segments_of(made.optimised.trajectory, made.optimised.keyframes),
+         .num_frames_by_imu = std::count(
+             made.track.motions.begin(), made.track.motions.end(), types::MotionSource::Imu),
+         .num_frames_predicted = std::ssize(made.optimised.predicted),
+         .path_length_m = path_length_m(segments),
+         .segments = segments,
          .mesh = mesh_metrics(made),
          .markers = made.markers,
          .stages = made.stages,
          .evaluation = made.evaluation,
-         .expected = expected(made),
-         .findings = findings(made)});
+         .expected = accuracy,
+         .findings = findings(made, segments, accuracy)});
 }
 
 }  // namespace divemesh::pipeline

@@ -1,20 +1,12 @@
 #include "worker/pipeline/solver_findings.hpp"
 
-#include <algorithm>
 #include <cmath>
 
-#include "schemas/error.hpp"
 #include "worker/base/text.hpp"
 
 namespace divemesh::pipeline {
 namespace {
 
-// Shares of the frame-to-frame motions that vision constrains. Below a tenth, the path comes from
-// the motion model and there is hardly any map. With one motion in five lost, the map has holes.
-// One in twenty is worth mentioning.
-constexpr double kMinShare = 0.1;
-constexpr double kWarningShare = 0.8;
-constexpr double kInfoShare = 0.95;
 // Share of the solves of one kind. A few frames may be left to the motion model; more failures are
 // a sign that images or sensors do not fit.
 constexpr double kMaxFailedShare = 0.05;
@@ -28,25 +20,6 @@ constexpr double kDiverged_px = 3.5;
 // times as long as the odometry's has fallen apart. The slack is for rigs that stand still.
 constexpr double kDivergedPath = 3.0;
 constexpr double kPathSlack_m = 1.0;
-
-std::int64_t num_motions(const types::TrackStatistics& track) {
-    return std::max<std::int64_t>(0, track.num_frames - 1);
-}
-
-// Returns the share of the frame-to-frame motions that vision constrained; the first frame has
-// none.
-double share_tracked(const types::TrackStatistics& track) {
-    const std::int64_t num = num_motions(track);
-    return num > 0 ? static_cast<double>(track.num_frames_tracked - 1) / static_cast<double>(num)
-                   : 1.0;
-}
-
-std::string lost_frames(const types::TrackStatistics& track) {
-    const std::int64_t num_lost = track.num_frames - track.num_frames_tracked;
-    return std::to_string(num_lost) + " of " + std::to_string(num_motions(track)) +
-           " motions from frame to frame (" + base::fixed(100.0 * (1.0 - share_tracked(track)), 1) +
-           " %) could not be measured by vision";
-}
 
 constexpr const char* kTrackBetter =
     "check that left and right images are sharp, simultaneous and fit the calibration; keep "
@@ -66,11 +39,14 @@ void add_failed(const types::SolverTally& tally,
                         kTrackBetter});
 }
 
-[[noreturn]] void diverged(const std::string& what) {
-    throw Error(ErrorCode::BadData,
-                "the reconstruction diverged: " + what +
-                    ". Check the calibration of both cameras against the images (divemesh validate "
-                    "DIVE), and try the option close_loops=false or refine_lenses=false");
+Finding diverged(const std::string& what) {
+    return {
+        Severity::Error,
+        "diverged",
+        "",
+        "the reconstruction diverged: " + what,
+        "check the calibration of both cameras against the images (divemesh validate DIVE), and "
+        "try the option close_loops=false or refine_lenses=false"};
 }
 
 // Returns the length of the path within segments: the position of one segment relative to the next
@@ -86,9 +62,12 @@ double path_m(const Poses& poses, const std::vector<bool>& jumps) {
     return length_m;
 }
 
-// Returns for each frame whether it is the first of a segment after the first.
+// Returns for each frame whether the motion to it was not measured, or whether it is the first of a
+// segment after the first.
 std::vector<bool> jumps_of(const types::OptimisedTrack& result) {
-    std::vector<bool> jumps(result.trajectory.size(), false);
+    std::vector<bool> jumps;
+    for (const types::StampedPose& pose : result.trajectory)
+        jumps.push_back(types::is_break(result.breaks_ns, pose.timestamp_ns));
     std::size_t frame = 0;
     for (std::size_t k = 1; k < result.keyframes.size(); ++k) {
         if (result.keyframes[k].segment == result.keyframes[k - 1].segment) continue;
@@ -102,21 +81,8 @@ std::vector<bool> jumps_of(const types::OptimisedTrack& result) {
 
 }  // namespace
 
-void require_tracked(const types::TrackStatistics& track) {
-    if (share_tracked(track) >= kMinShare) return;
-    throw Error(ErrorCode::BadData, lost_frames(track) + ": there is no model; " + kTrackBetter);
-}
-
-std::vector<Finding> tracking_findings(const types::TrackStatistics& track) {
+std::vector<Finding> window_findings(const types::TrackStatistics& track) {
     std::vector<Finding> findings;
-    const double share = share_tracked(track);
-    if (share < kInfoShare)
-        findings.push_back({share < kWarningShare ? Severity::Warning : Severity::Info,
-                            "tracking_lost",
-                            "",
-                            lost_frames(track) + ": their poses come from the motion before and "
-                                                 "the inertial sensors",
-                            kTrackBetter});
     add_failed(track.pose_solver, "the refinement of the motion between two frames", findings);
     add_failed(track.window_solver, "the adjustment of the sliding window", findings);
     return findings;
@@ -141,20 +107,20 @@ std::vector<Finding> solver_findings(const types::SolverOutcome& outcome,
              "compare the result with what is known about the place before it is used"}};
 }
 
-void require_converged(const types::Track& track, const types::OptimisedTrack& result) {
+std::optional<Finding> divergence(const types::Track& track, const types::OptimisedTrack& result) {
     for (const types::StampedPose& pose : result.trajectory)
-        if (!pose.T_world_imu.matrix().allFinite()) diverged("a pose is not finite");
+        if (!pose.T_world_imu.matrix().allFinite()) return diverged("a pose is not finite");
     const double reprojection_px = result.statistics.check.after.reprojection_rms_px;
     if (!(reprojection_px <= kDiverged_px))
-        diverged("landmarks lie " + base::fixed(reprojection_px, 1) +
-                 " px from where they were seen (root mean square)");
-    if (result.trajectory.size() != track.odometry.size()) return;
+        return diverged("landmarks lie " + base::fixed(reprojection_px, 1) +
+                        " px from where they were seen (root mean square)");
+    if (result.trajectory.size() != track.odometry.size()) return std::nullopt;
     const std::vector<bool> jumps = jumps_of(result);
     const double final_m = path_m(result.trajectory, jumps);
     const double odometry_m = path_m(track.odometry, jumps);
-    if (!(final_m <= kDivergedPath * odometry_m + kPathSlack_m))
-        diverged("the path is " + base::fixed(final_m, 2) +
-                 " m long, by the motion from frame to frame " + base::fixed(odometry_m, 2) + " m");
+    if (final_m <= kDivergedPath * odometry_m + kPathSlack_m) return std::nullopt;
+    return diverged("the path is " + base::fixed(final_m, 2) +
+                    " m long, by the motion from frame to frame " + base::fixed(odometry_m, 2) + " m");
 }
 
 }  // namespace divemesh::pipeline

@@ -130,6 +130,9 @@ void fields(auto& file, Is<types::Track> auto& track) {
     fields(file, track.rig);
     file.list(track.causal);
     file.list(track.odometry);
+    file.vector(track.motions);
+    file.vector(track.breaks_ns);
+    file.vector(track.features);
     file.list(track.keyframes);
     file.list(track.mapped);
     file.list(track.landmarks);
@@ -141,6 +144,8 @@ void fields(auto& file, Is<types::Track> auto& track) {
 
 void fields(auto& file, Is<types::OptimisedTrack> auto& track) {
     file.list(track.trajectory);
+    file.vector(track.breaks_ns);
+    file.list(track.predicted);
     file.list(track.keyframes);
     file.list(track.mapped);
     fields(file, track.rig);

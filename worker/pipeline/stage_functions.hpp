@@ -21,10 +21,15 @@ void run_optimise(Reconstruction& made, const base::ProgressCallback& progress);
 void save_optimise(Reconstruction& made, const std::string& key);
 void finish_optimise(Reconstruction& made);
 
+// Writes the trajectories as they are now: final with covariances, causal, and predicted if a pose
+// was not measured.
+void write_trajectories(const Reconstruction& made);
+
 // Markers in the scene: their measurements and, if requested, the scale of all that follows.
 bool markers_wanted(const Reconstruction& made);
 void run_markers(Reconstruction& made, const base::ProgressCallback& progress);
 
+// A reconstruction that has failed makes neither markers nor surface.
 bool surface_wanted(const Reconstruction& made);
 
 // Step 7: volume and cloud.

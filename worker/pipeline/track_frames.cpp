@@ -43,6 +43,9 @@ types::Track track_frames(types::Recording& recording,
         T_start_cam = T_start_cam * tracked.T_current_previous.inverse();
         result.causal.push_back({frame->timestamp_ns, tracked.T_world_cam * T_cam_imu});
         result.odometry.push_back({frame->timestamp_ns, T_start_cam * T_cam_imu});
+        result.motions.push_back(tracked.by_vision ? types::MotionSource::Vision
+                                                   : types::MotionSource::Nothing);
+        result.features.push_back(tracked.features);
         report(progress, result.causal.size(), recording);
         if (tracker.in_vain()) break;
     }

@@ -1,4 +1,5 @@
 #include "worker/io/trajectory_file.hpp"
+#include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 
@@ -20,7 +21,7 @@ void save_track(Reconstruction& made, const std::string& key) {
 }
 
 void finish_track(Reconstruction& made) {
-    io::write_tum(made.artifact("trajectory_causal.tum"), made.track.causal);
+    io::write_tum(made.artifact("trajectory_causal.tum"), measured_causal(made.track));
 }
 
 }  // namespace divemesh::pipeline

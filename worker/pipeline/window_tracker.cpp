@@ -86,6 +86,8 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
     std::optional<features::DescribedKeypoints> view;
     if (keep) view = keep_keyframe(frame);
     TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), moving_.before(), {}};
+    tracked.by_vision = vision.found;
+    tracked.features = odometry::feature_counts(features_);
     if (keep || (vision.found && mapping_rule_.due(features_))) {
         mapping_rule_.taken(features_);
         const types::DisparityRange range =

@@ -10,6 +10,26 @@ namespace divemesh::report {
 
 using nlohmann::json;
 
+namespace {
+
+// Returns the verdict in words, e.g. "Usable with restrictions: path, scale"; null in documents
+// of earlier versions.
+json verdict_values(const json& metrics) {
+    const std::string verdict = metrics.value("verdict", std::string());
+    if (verdict.empty()) return nullptr;
+    if (verdict == "good") return {{"class", "met"}, {"text", "Good"}};
+    std::string text = verdict == "not_usable" ? "Not usable" : "Usable with restrictions";
+    const char* separator = ": ";
+    for (const json& restricted : metrics.value("restrictions", json::array())) {
+        if (restricted == "all") continue;
+        text += separator + restricted.get<std::string>();
+        separator = ", ";
+    }
+    return {{"class", verdict == "not_usable" ? "error" : "warning"}, {"text", text}};
+}
+
+}  // namespace
+
 std::string report_html(const ReportInput& input) {
     const auto text = [&](const char* pointer) {
         return input.metrics.value(json::json_pointer(pointer), std::string());
@@ -24,6 +44,7 @@ std::string report_html(const ReportInput& input) {
         {{"title", name.empty() ? "dive " + text("/dive/content_sha256").substr(0, 12) : name},
          {"version", text("/version")},
          {"preset", text("/preset")},
+         {"verdict", verdict_values(input.metrics)},
          {"picture", image},
          {"accuracy", rows_values(accuracy_rows(input.metrics))},
          {"expected", rows_values(expected_rows(input.metrics))},

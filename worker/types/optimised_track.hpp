@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
+#include "worker/types/breaks.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/loop_statistics.hpp"
 #include "worker/types/path_uncertainty.hpp"
@@ -28,12 +29,14 @@ struct OptimiseStatistics {
 
 // The result of the optimisation of a whole dive.
 struct OptimisedTrack {
-    Trajectory trajectory;  // every frame, after optimisation
+    Trajectory trajectory;  // after optimisation: every frame whose pose was measured
+    Breaks breaks_ns;       // of the trajectory
+    Trajectory predicted;   // the other frames, by the motion model: nothing measured their poses
     std::vector<Keyframe> keyframes;
     std::vector<Keyframe> mapped;  // Track::mapped after optimisation
     RectifiedRig rig;              // with the refined T_imu_cam
     RefinedCalibration calibration;
-    CovarianceTrack covariances;  // of every frame; empty: unknown
+    CovarianceTrack covariances;  // of `trajectory`; empty: unknown
     OptimiseStatistics statistics;
     std::vector<Finding> findings;
 };

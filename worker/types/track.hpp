@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
+#include "worker/types/breaks.hpp"
 #include "worker/types/imu_alignment.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
@@ -32,11 +33,23 @@ struct TrackStatistics {
     SearchStatistics dense;     // frames whose depth is in the store
 };
 
+// What measured a frame's motion from the frame before.
+enum class MotionSource : std::uint8_t { Nothing, Imu, Vision };
+
+// Features of a frame, as its tracking left them: what tells why the next motion was lost.
+struct FrameFeatures {
+    std::int32_t num_features = 0;    // all
+    std::int32_t num_with_depth = 0;  // found in the right image too
+};
+
 // The result of steps 1 to 6 over all frames.
 struct Track {
     RectifiedRig rig;
-    Trajectory causal;    // every frame, from data up to its time
-    Trajectory odometry;  // chained frame-to-frame motion: drifts but never jumps
+    Trajectory causal;                    // every frame, from data up to its time
+    Trajectory odometry;                  // chained frame-to-frame motion: drifts but never jumps
+    std::vector<MotionSource> motions;    // of every frame; of the first: Nothing
+    Breaks breaks_ns;                     // the frames after the first with nothing measured
+    std::vector<FrameFeatures> features;  // of every frame
     std::vector<Keyframe> keyframes;
     std::vector<Keyframe> mapped;  // frames with depth in the store: keyframes and some between
     std::vector<Landmark> landmarks;

@@ -24,6 +24,7 @@ struct Known {
         return expected_accuracy({.recording = recording,
                                   .trajectory = trajectory,
                                   .num_segments = num_segments,
+                                  .path_length_m = 19.0,
                                   .covariances = covariances,
                                   .track = track,
                                   .optimise = optimise});

@@ -39,6 +39,18 @@ TEST(PiecesTest, APieceThatWasFoundAgainHasTwoIntervals) {
     EXPECT_NEAR(segments[0].path_length_m, 0.4, 1e-12);  // the jump in between is not counted
 }
 
+TEST(PiecesTest, AfterABreakFramesBelongToTheNextKeyframesSegment) {
+    const auto segments = segments_of(frames(), keyframes(0, 1, 1), {2});
+    ASSERT_EQ(segments.size(), 2U);
+    EXPECT_EQ(segments[0].num_frames, 2);
+    EXPECT_EQ(segments[1].intervals[0].first_ns, 2);
+    EXPECT_NEAR(segments[1].path_length_m, 0.7, 1e-12);
+}
+
+TEST(PiecesTest, AMotionThatWasNotMeasuredDoesNotCount) {
+    EXPECT_NEAR(segments_of(frames(), keyframes(0, 0, 0), {3, 6})[0].path_length_m, 0.7, 1e-12);
+}
+
 TEST(PiecesTest, TheLargestHasMostFrames) {
     const types::Trajectory largest = largest_segment(frames(), keyframes(0, 1, 1));
     ASSERT_EQ(largest.size(), 6U);

@@ -78,6 +78,7 @@ public:
                                                                 imu::InertialPrior(recording_, {}),
                                                                 keyframes,
                                                                 landmarks,
+                                                                {},
                                                                 base::ignore_progress,
                                                                 {});
         return normalised(rig, keyframes, adjusted.covariances);

@@ -7,8 +7,13 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
 #include <set>
+#include <vector>
 
+#include "schemas/error.hpp"
+#include "schemas/finding.hpp"
 #include "storage/blob_store.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/pipeline/blob_stage_store.hpp"
@@ -106,6 +111,44 @@ TEST_F(ReconstructDiveTest, WithoutASurfaceTheTrajectoriesAreTheSameAndNothingEl
     EXPECT_EQ(alone["trajectory"], whole["trajectory"]);
     EXPECT_TRUE(whole.contains("mesh"));
     EXPECT_FALSE(alone.contains("mesh"));
+}
+
+// Makes all images from the second frame on grey, as in blue water.
+void blank_all_but_the_first(const fs::path& dive) {
+    for (const char* camera : {"cam0", "cam1"}) {
+        std::set<fs::path> images;
+        for (const auto& entry : fs::directory_iterator(dive / "mav0" / camera / "data"))
+            images.insert(entry.path());
+        images.erase(images.begin());
+        for (const fs::path& image : images)
+            cv::imwrite(image.string(), cv::Mat(120, 160, CV_8UC1, cv::Scalar(80)));
+    }
+}
+
+TEST_F(ReconstructDiveTest, ADiveThatCannotBeTrackedKeepsWhatIsKnownAndIsNotUsable) {
+    blank_all_but_the_first(folder_ / "dive");
+    const auto metrics = reconstruct("blank", {{"voxel_m", 0.02}});
+    EXPECT_EQ(metrics["verdict"], "not_usable");
+    EXPECT_EQ(metrics["restrictions"], nlohmann::json({"all"}));
+    EXPECT_EQ(metrics["frames"]["num_frames_predicted"], metrics["frames"]["num_frames"]);
+    EXPECT_EQ(metrics["trajectory"]["path_length_m"], 0.0);
+    EXPECT_EQ(names_in(folder_ / "blank"),
+              (std::set<std::string>{"trajectory.tum",
+                                     "trajectory_causal.tum",
+                                     "trajectory_covariance.csv",
+                                     "trajectory_predicted.tum",
+                                     "metrics.json",
+                                     "report.html"}));
+    EXPECT_NE(content(folder_ / "blank/report.html").find("Not usable"), std::string::npos);
+}
+
+TEST_F(ReconstructDiveTest, ADiveThatIsRefusedTellsItsFindingsFirst) {
+    fs::remove(folder_ / "dive/mav0/cam1/sensor.yaml");
+    std::vector<Finding> told;
+    auto refused = request("refused", {});
+    refused.dive_checked = [&](const std::vector<Finding>& findings) { told = findings; };
+    EXPECT_THROW(reconstruct_dive(refused, base::ignore_progress), Error);
+    EXPECT_TRUE(has_error(told));
 }
 
 // Options that differ decide which stages are reused and which run again; the bytes are those of a

@@ -18,6 +18,9 @@ types::Track small_track() {
         pose.T_world_imu.translate(Eigen::Vector3d(i, 0.0, 0.0));
         track.causal.push_back(pose);
     }
+    track.motions = {types::MotionSource::Nothing, types::MotionSource::Imu};
+    track.breaks_ns = {1002};
+    track.features = {{300, 290}, {5, 0}};
     track.keyframes.push_back({.frame_index = 2, .timestamp_ns = 1002});
     track.mapped = {{.frame_index = 1, .timestamp_ns = 1001}, track.keyframes[0]};
     types::Landmark landmark;
@@ -39,6 +42,10 @@ TEST(StageFiles, ATrackSurvivesTheDisk) {
     EXPECT_EQ(read->rig.T_imu_cam.matrix(), written.rig.T_imu_cam.matrix());
     ASSERT_EQ(read->causal.size(), 3U);
     EXPECT_EQ(read->causal[2].T_world_imu.matrix(), written.causal[2].T_world_imu.matrix());
+    EXPECT_EQ(read->motions, written.motions);
+    EXPECT_EQ(read->breaks_ns, written.breaks_ns);
+    ASSERT_EQ(read->features.size(), 2U);
+    EXPECT_EQ(read->features[0].num_with_depth, 290);
     ASSERT_EQ(read->mapped.size(), 2U);
     EXPECT_EQ(read->mapped[0].frame_index, 1);
     ASSERT_EQ(read->landmarks.size(), 1U);

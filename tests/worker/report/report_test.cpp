@@ -55,6 +55,20 @@ TEST(Report, MetricsAreShownInUnitsForPeopleAndMissingOnesNotAtAll) {
     EXPECT_EQ(html.find("Mesh accuracy"), std::string::npos);
 }
 
+TEST(Report, TheVerdictStandsAboveAllElse) {
+    json document = metrics();
+    EXPECT_EQ(report_html({document, path(), {}, ""}).find("Usable"), std::string::npos);
+    document["verdict"] = "usable_with_restrictions";
+    document["restrictions"] = {"path", "scale"};
+    const std::string html = report_html({document, path(), {}, ""});
+    const std::size_t verdict = html.find("Usable with restrictions: path, scale");
+    ASSERT_NE(verdict, std::string::npos);
+    EXPECT_LT(verdict, html.find("<svg"));
+    document["verdict"] = "not_usable";
+    document["restrictions"] = {"all"};
+    EXPECT_NE(report_html({document, path(), {}, ""}).find(">Not usable<"), std::string::npos);
+}
+
 TEST(Report, HasTwoPlotsEvenForAnEmptyTrajectory) {
     const json document = metrics();
     const std::string html = report_html({document, {}, {}, ""});

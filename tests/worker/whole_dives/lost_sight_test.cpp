@@ -1,11 +1,12 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <optional>
 
-#include "schemas/error.hpp"
+#include "schemas/verdict.hpp"
 #include "tests/synthetic/altered_recording.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
@@ -53,8 +54,21 @@ protected:
         num_tracked_ = track.statistics.num_frames_tracked;
         return pipeline::optimise(track, blanked, options, store, base::ignore_progress);
     }
+    std::vector<evaluation::TrackingSegment> segments(const types::OptimisedTrack& track) const {
+        return evaluation::segments_of(track.trajectory, track.keyframes, track.breaks_ns);
+    }
     std::size_t num_segments(const types::OptimisedTrack& track) const {
-        return evaluation::segments_of(track.trajectory, track.keyframes).size();
+        return segments(track).size();
+    }
+    double path_length_m(const types::OptimisedTrack& track) const {
+        double length_m = 0.0;
+        for (const auto& segment : segments(track)) length_m += segment.path_length_m;
+        return length_m;
+    }
+    static bool has(const types::OptimisedTrack& track, const std::string& code) {
+        return std::any_of(track.findings.begin(), track.findings.end(), [&](const Finding& of) {
+            return of.code == code;
+        });
     }
     double ate_m(const types::OptimisedTrack& track) const {
         return evaluation::trajectory_error(track.trajectory, dive_->ground_truth()).ate_rmse_m;
@@ -71,7 +85,24 @@ TEST_F(LostSightTest, InertiaCarriesTheDiveOverTwoSecondsOfBlankImages) {
     EXPECT_EQ(num_segments(track), 1U);
     EXPECT_LT(ate_m(track), 0.02);
     EXPECT_TRUE(track.calibration.is_known());
-    EXPECT_FALSE(track.covariances.empty());
+    EXPECT_EQ(track.covariances.size(), track.trajectory.size());
+    EXPECT_GE(track.predicted.size(), 15U);
+    EXPECT_TRUE(has(track, "tracking_lost"));
+}
+
+TEST_F(LostSightTest, HalfASecondIsMeasuredByTheImu) {
+    const types::OptimisedTrack track = swim(2.0, 2.5, {});
+    EXPECT_TRUE(track.predicted.empty());
+    EXPECT_EQ(std::ssize(track.trajectory), dive_->num_frames());
+    EXPECT_FALSE(has(track, "tracking_lost"));
+    EXPECT_LT(ate_m(track), 0.02);
+}
+
+TEST_F(LostSightTest, ADiveThatBeginsInTheDarkBeginsWhereItSees) {
+    const types::OptimisedTrack track = swim(-1.0, 3.0, {});
+    EXPECT_EQ(num_segments(track), 1U);
+    EXPECT_EQ(track.predicted.size(), 24U);
+    EXPECT_LT(ate_m(track), 0.02);
 }
 
 TEST_F(LostSightTest, WithoutInertiaItIsJoinedWhereItComesByAgain) {
@@ -86,11 +117,18 @@ TEST_F(LostSightTest, WithoutInertiaAndLoopsItStaysInPieces) {
         swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}, {"close_loops", false}});
     EXPECT_EQ(num_segments(track), 2U);
     EXPECT_TRUE(track.calibration.is_known());
+    // Without the two seconds of blank images, and without the way from one segment to the other.
+    EXPECT_LT(path_length_m(track), 2.9);
+    EXPECT_GT(path_length_m(track), 2.2);
 }
 
 TEST_F(LostSightTest, NextToNothingButBlankImagesIsNoModel) {
-    EXPECT_THROW(swim(0.5, 1e3, {}), Error);
-    EXPECT_THROW(swim(0.5, 1e3, {{"estimator", "pairwise"}}), Error);
+    for (const char* estimator : {"window", "pairwise"}) {
+        const types::OptimisedTrack track = swim(0.5, 1e3, {{"estimator", estimator}});
+        EXPECT_TRUE(has(track, "nothing_reconstructed")) << estimator;
+        EXPECT_EQ(verdict_on(track.findings), Verdict::NotUsable) << estimator;
+        EXPECT_LE(track.trajectory.size(), 5U) << estimator;
+    }
 }
 
 }  // namespace

@@ -1,0 +1,46 @@
+#include "worker/pipeline/result_findings.hpp"
+
+#include <gtest/gtest.h>
+
+namespace divemesh::pipeline {
+namespace {
+
+TEST(SegmentsFindingTest, TellsNumberAndLengths) {
+    EXPECT_FALSE(segments_finding({{.num_frames = 5, .path_length_m = 1.0}}));
+    const auto finding = segments_finding(
+        {{.num_frames = 120, .path_length_m = 12.1}, {.num_frames = 40, .path_length_m = 3.25}});
+    ASSERT_TRUE(finding);
+    EXPECT_EQ(finding->code, "dive_in_segments");
+    EXPECT_NE(finding->message.find("2 segments of 12.10 m (120 frames), 3.25 m (40 frames)"),
+              std::string::npos)
+        << finding->message;
+}
+
+TEST(ScaleFindingTest, AnySensorOrKnownLengthTestsTheScale) {
+    evaluation::ExpectedAccuracy expected;
+    ASSERT_TRUE(scale_finding(expected, std::nullopt));
+    EXPECT_EQ(scale_finding(expected, std::nullopt)->code, "scale_untested");
+    EXPECT_TRUE(scale_finding(expected, markers::MarkerMetrics{}));
+    markers::MarkerMetrics markers;
+    markers.scale = markers::MarkerScale{};
+    EXPECT_FALSE(scale_finding(expected, markers));
+    expected.pressure = evaluation::ScaleCheck{};
+    EXPECT_FALSE(scale_finding(expected, std::nullopt));
+}
+
+TEST(BoundsFindingTest, OnlyOfAConnectedPath) {
+    evaluation::ExpectedAccuracy expected;
+    EXPECT_TRUE(bounds_finding(expected, 1));
+    EXPECT_FALSE(bounds_finding(expected, 2));
+    expected.ate_bound_m = 0.01;
+    EXPECT_FALSE(bounds_finding(expected, 1));
+}
+
+TEST(SurfaceFindingTest, AMeshWithoutTrianglesIsAnError) {
+    EXPECT_FALSE(surface_finding(1));
+    ASSERT_TRUE(surface_finding(0));
+    EXPECT_EQ(surface_finding(0)->severity, Severity::Error);
+}
+
+}  // namespace
+}  // namespace divemesh::pipeline

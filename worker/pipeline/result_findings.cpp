@@ -1,0 +1,83 @@
+#include "worker/pipeline/result_findings.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "worker/base/text.hpp"
+
+namespace divemesh::pipeline {
+namespace {
+
+constexpr std::size_t kMaxSegments = 8;  // listed one by one
+
+std::string list_of(const std::vector<evaluation::TrackingSegment>& segments) {
+    std::string text;
+    for (std::size_t i = 0; i < std::min(segments.size(), kMaxSegments); ++i)
+        text += (i > 0 ? ", " : "") + base::fixed(segments[i].path_length_m, 2) + " m (" +
+                std::to_string(segments[i].num_frames) + " frames)";
+    if (segments.size() > kMaxSegments)
+        text += " and " + std::to_string(segments.size() - kMaxSegments) + " more";
+    return text;
+}
+
+// Returns why a metric was left out, in brackets; "" if it was not.
+std::string reason_of(const evaluation::ExpectedAccuracy& expected, const std::string& metric) {
+    for (const evaluation::LeftOut& left_out : expected.left_out)
+        if (left_out.metric == metric) return " (" + left_out.reason + ")";
+    return "";
+}
+
+}  // namespace
+
+std::optional<Finding> segments_finding(const std::vector<evaluation::TrackingSegment>& segments) {
+    if (segments.size() < 2) return std::nullopt;
+    return Finding{Severity::Warning,
+                   "dive_in_segments",
+                   "",
+                   "the dive is in " + std::to_string(segments.size()) + " segments of " +
+                       list_of(segments) +
+                       ": their positions relative to each other are not known, so they lie side "
+                       "by side along x",
+                   "measure only within a segment; on the next dive keep the ground in view, and "
+                   "after a pause come back to a place that was already recorded"};
+}
+
+std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expected,
+                                     const std::optional<markers::MarkerMetrics>& markers) {
+    if (expected.accelerometer || expected.pressure || expected.known_distances ||
+        (markers && markers->scale))
+        return std::nullopt;
+    return Finding{
+        Severity::Warning,
+        "scale_untested",
+        "",
+        "no known distance, IMU or pressure sensor tested the scale" +
+            reason_of(expected, "scale.accelerometer") +
+            ": lengths are as good as the calibration of the cameras, and half a degree between "
+            "them is 10 % or more",
+        "lay a scale bar or two markers of known distance into the scene, or record an "
+        "IMU or a depth sensor and move up and down"};
+}
+
+std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expected,
+                                      std::size_t num_segments) {
+    if (expected.ate_bound_m || num_segments != 1) return std::nullopt;
+    return Finding{Severity::Warning,
+                   "bounds_unknown",
+                   "",
+                   "the error of the path has no bound: the dive had no bundle adjustment, or its "
+                   "equations could not be solved for the covariance",
+                   "use the preset standard or accurate, and check what else was found"};
+}
+
+std::optional<Finding> surface_finding(std::int64_t num_triangles) {
+    if (num_triangles > 0) return std::nullopt;
+    return Finding{Severity::Error,
+                   "no_surface",
+                   "",
+                   "the mesh has no triangles: no depth was measured that several frames agree on",
+                   "check that left and right images are equally sharp and fit the calibration "
+                   "(divemesh validate DIVE), and that the scene is within max_depth_m"};
+}
+
+}  // namespace divemesh::pipeline

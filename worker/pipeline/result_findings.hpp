@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "schemas/finding.hpp"
+#include "worker/evaluation/expected_accuracy.hpp"
+#include "worker/evaluation/tracking_segments.hpp"
+#include "worker/markers/marker_metrics.hpp"
+
+// What the user is told about the result as a whole: what is not known about it.
+namespace divemesh::pipeline {
+
+// Returns a warning if the dive fell into segments.
+std::optional<Finding> segments_finding(const std::vector<evaluation::TrackingSegment>& segments);
+
+// Returns a warning if no sensor and no known distance tested the scale.
+std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expected,
+                                     const std::optional<markers::MarkerMetrics>& markers);
+
+// Returns a warning if the error of a connected path has no bound.
+std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expected,
+                                      std::size_t num_segments);
+
+// Returns an error if a surface without triangles was made.
+std::optional<Finding> surface_finding(std::int64_t num_triangles);
+
+}  // namespace divemesh::pipeline
