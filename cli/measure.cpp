@@ -8,7 +8,6 @@
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/text.hpp"
-#include "worker/base/atomic_file.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
 #include "worker/report/drawing_page.hpp"
 
@@ -81,7 +80,7 @@ struct Options {
 
 int write_drawing_page(const Options& options) {
     const io::ReconstructionFolder model(options.request.reconstruction);
-    base::write_file(options.draw, report::drawing_page(model));
+    report::write_drawing_page(model, options.draw);
     std::cout << options.draw.string() << "\n";
     return kExitDone;
 }
@@ -89,7 +88,7 @@ int write_drawing_page(const Options& options) {
 int measure(const Options& options, const Context& context) {
     if (!options.draw.empty()) return write_drawing_page(options);
     const json result = reef::measure_reconstruction(options.request);
-    if (!options.csv.empty()) base::write_file(options.csv, reef::metrics_csv(result["figures"]));
+    if (!options.csv.empty()) reef::write_metrics_csv(result["figures"], options.csv);
     std::cout << (context.json ? result.dump(2) + "\n" : report_text(result));
     return kExitDone;
 }

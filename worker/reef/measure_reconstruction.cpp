@@ -3,6 +3,7 @@
 #include <array>
 
 #include "schemas/error.hpp"
+#include "worker/base/atomic_file.hpp"
 #include "worker/evaluation/trajectory_error.hpp"
 #include "worker/io/csv_cell.hpp"
 #include "worker/io/trajectory_file.hpp"
@@ -82,6 +83,10 @@ std::string metrics_csv(const json& metrics) {
         csv += row + "\n";
     }
     return csv;
+}
+
+void write_metrics_csv(const json& metrics, const std::filesystem::path& path) {
+    base::write_file(path, metrics_csv(metrics));
 }
 
 }  // namespace divemesh::reef

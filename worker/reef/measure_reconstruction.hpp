@@ -34,5 +34,7 @@ nlohmann::json measure_reconstruction(const MeasureRequest& request);
 // Returns a header and a row per metric: figure, area, label, unit, resolution_m, value, low, high,
 // method, refused (RFC 4180; lines end with \n).
 std::string metrics_csv(const nlohmann::json& metrics);
+// Writes that table to a file.
+void write_metrics_csv(const nlohmann::json& metrics, const std::filesystem::path& path);
 
 }  // namespace divemesh::reef

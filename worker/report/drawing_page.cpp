@@ -10,6 +10,7 @@
 
 #include "schemas/base64.hpp"
 #include "schemas/error.hpp"
+#include "worker/base/atomic_file.hpp"
 #include "worker/report/drawing_page_template.hpp"
 #include "worker/report/html_template.hpp"
 
@@ -102,6 +103,10 @@ std::string drawing_page(const io::ReconstructionFolder& model) {
                     (model.path() / "mosaic.json").string() + ": " + error.what());
     }
     return fill_template(drawing_page_template_html(), {{"data", for_script(data)}});
+}
+
+void write_drawing_page(const io::ReconstructionFolder& model, const std::filesystem::path& path) {
+    base::write_file(path, drawing_page(model));
 }
 
 }  // namespace divemesh::report

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "worker/io/reconstruction_folder.hpp"
@@ -11,5 +12,7 @@ namespace divemesh::report {
 // there. Throws Error{NotFound} if the reconstruction has no mosaic, Error{BadData} if that is
 // damaged.
 std::string drawing_page(const io::ReconstructionFolder& model);
+// Writes that page to a file.
+void write_drawing_page(const io::ReconstructionFolder& model, const std::filesystem::path& path);
 
 }  // namespace divemesh::report
