@@ -136,7 +136,7 @@ std::optional<WindowTracker::Observed> WindowTracker::follow_wide(
     for (int pass = 0; pass < kNumPasses; ++pass) {
         const Eigen::Isometry3d motion = seen.vision.T_current_previous;
         seen = observe(frame, tracker_.track_again(features_, motion), prior.rotation, motion);
-        if (!seen.vision.found) break;
+        if (!seen.vision.found) return std::nullopt;
     }
     seen.predicted = false;
     return seen;
