@@ -14,8 +14,9 @@ namespace {
 constexpr double kBackwardError_px = 0.5;
 constexpr double kMinCorrelation = 0.7;
 constexpr double kSameCorrelation = 0.8;  // with the reference patch
-constexpr int kBorder_px = 10;            // a patch and one more pixel
-constexpr float kCornerQuality = 0.01F;   // of the best corner of the image
+constexpr int kMinCell_px = 8;
+constexpr int kBorder_px = 10;           // a patch and one more pixel
+constexpr float kCornerQuality = 0.01F;  // of the best corner of the image
 
 Eigen::Vector3d expected(const types::RectifiedRig& rig,
                          const types::Feature& feature,
@@ -62,7 +63,7 @@ private:
 
 FeatureTracker::FeatureTracker(const types::RectifiedRig& rig, int num_features)
     : rig_(rig),
-      cell_px_(std::max(8,
+      cell_px_(std::max(kMinCell_px,
                         static_cast<int>(std::sqrt(rig.width_px * rig.height_px /
                                                    static_cast<double>(num_features))))),
       lost_(rig) {}
@@ -70,6 +71,7 @@ FeatureTracker::FeatureTracker(const types::RectifiedRig& rig, int num_features)
 types::Features FeatureTracker::track(const cv::Mat& left,
                                       const types::Features& previous,
                                       const Eigen::Isometry3d& T_cam_previous) {
+    wide_ = false;
     std::swap(previous_pyramid_, current_pyramid_);
     high_pass_.apply(left, current_pyramid_[0]);
     for (std::size_t i = 1; i < kNumLevels; ++i)
@@ -108,6 +110,7 @@ types::Features FeatureTracker::track(const cv::Mat& left,
 
 types::Features FeatureTracker::track_again(const types::Features& previous,
                                             const Eigen::Isometry3d& T_cam_previous) {
+    wide_ = true;
     lost_.forget_newest();
     reference_patches_.clear();
     Occupancy occupancy(current_pyramid_[0], min_distance_px());
@@ -207,16 +210,17 @@ std::optional<FeatureTracker::Seen> FeatureTracker::track_warped(
 
 types::Features FeatureTracker::detect(const types::Features& present) {
     const cv::Mat& left = current_pyramid_[0];
+    const int cell_px = wide_ ? std::max(kMinCell_px, cell_px_ * 2 / 3) : cell_px_;
     const cv::Mat& scores = corner_scores_.of(left);
     double best = 0.0;
     cv::minMaxLoc(scores, nullptr, &best);
     const float threshold =
         std::max(CornerScores::kNoise, kCornerQuality * static_cast<float>(best));
-    Occupancy occupancy(left, cell_px_);
+    Occupancy occupancy(left, cell_px);
     for (const types::Feature& feature : present)
         occupancy.take(feature.pixel.x(), feature.pixel.y());
     types::Features features;
-    for (const cv::Point& at : best_of_cells(scores, threshold, kBorder_px, cell_px_))
+    for (const cv::Point& at : best_of_cells(scores, threshold, kBorder_px, cell_px))
         if (occupancy.take(at.x, at.y)) features.push_back({next_id_++, {at.x, at.y}, 0.0});
     return features;
 }

@@ -49,7 +49,8 @@ public:
                               const types::Features& present);
 
     // Returns new features with new ids where the last image has none: on a grid, the best corner
-    // (Shi and Tomasi) of each cell.
+    // (Shi and Tomasi) of each cell. After track_again() the cells are smaller, as much of what a
+    // wide step finds is out of sight after the next.
     types::Features detect(const types::Features& present);
 
 private:
@@ -75,6 +76,7 @@ private:
 
     types::RectifiedRig rig_;
     int cell_px_ = 0;
+    bool wide_ = false;  // the last image was tracked over a wide baseline
     std::int64_t next_id_ = 0;
     Pyramid previous_pyramid_;
     Pyramid current_pyramid_;                                             // of the last image

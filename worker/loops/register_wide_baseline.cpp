@@ -15,8 +15,8 @@ namespace {
 constexpr int kMaxRansacIterations = 600;
 constexpr double kConfidence = 0.999;
 constexpr double kTolerance_px = 3.0;
-constexpr std::size_t kMinInliers = 15;
-constexpr std::size_t kMinInliersWithPrior = 10;
+constexpr std::size_t kMinInliers = 10;
+constexpr std::size_t kMinInliersWithPrior = 8;
 constexpr double kMaxSigma_rad = 0.02;  // ten pixels: worse than a prediction
 constexpr double kRotationSlack_rad = 0.02;
 constexpr double kNumSigmas = 3.5;
@@ -89,6 +89,16 @@ std::optional<Eigen::Isometry3d> confirmed(const types::RectifiedRig& rig,
     return T_b_a;
 }
 
+std::optional<Eigen::Isometry3d> register_pairs(const types::RectifiedRig& rig,
+                                                const odometry::PointPairs& pairs,
+                                                const MotionPrior& prior,
+                                                std::uint64_t seed) {
+    if (pairs.size() < kMinInliersWithPrior) return std::nullopt;
+    if (prior.T_b_a)
+        if (const auto predicted = confirmed(rig, pairs, *prior.T_b_a, prior)) return predicted;
+    return confirmed(rig, pairs, best_motion(rig, pairs, seed), prior);
+}
+
 }  // namespace
 
 std::optional<Eigen::Isometry3d> register_wide_baseline(const types::RectifiedRig& rig,
@@ -96,11 +106,9 @@ std::optional<Eigen::Isometry3d> register_wide_baseline(const types::RectifiedRi
                                                         const SiftKeypoints& b,
                                                         const MotionPrior& prior,
                                                         std::uint64_t seed) {
-    const odometry::PointPairs pairs = match_sift(rig, a, b);
-    if (pairs.size() < kMinInliersWithPrior) return std::nullopt;
-    if (prior.T_b_a)
-        if (const auto predicted = confirmed(rig, pairs, *prior.T_b_a, prior)) return predicted;
-    return confirmed(rig, pairs, best_motion(rig, pairs, seed), prior);
+    if (const auto found = register_pairs(rig, match_sift(rig, a, b), prior, seed)) return found;
+    if (!prior.T_b_a) return std::nullopt;
+    return register_pairs(rig, match_sift(rig, a, b, prior.T_b_a), prior, seed);
 }
 
 }  // namespace divemesh::loops

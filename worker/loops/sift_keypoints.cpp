@@ -18,6 +18,7 @@ constexpr double kFirstSigma = 1.6;
 // A larger image is halved first: its finest structures are noise and cost four times as much.
 constexpr double kMaxPixels = 800'000.0;
 constexpr double kRatio = 0.8;
+constexpr double kGuidedShare = 0.125;  // of the image width
 // Standard deviation of a position by the keypoint's diameter, and the least, px.
 constexpr double kSigmaShare = 0.1;
 constexpr double kMinSigma_px = 0.5;
@@ -74,6 +75,17 @@ bool distinct(const Nearest& nearest) {
            static_cast<float>(kRatio * kRatio) * (1.0F - nearest.second_cosine);
 }
 
+// Returns where a motion leads the points; empty without one.
+std::vector<Eigen::Vector2d> expected_pixels(const types::RectifiedRig& rig,
+                                             const SiftKeypoints& a,
+                                             const std::optional<Eigen::Isometry3d>& T_b_a) {
+    std::vector<Eigen::Vector2d> pixels;
+    if (!T_b_a) return pixels;
+    for (const types::Feature& point : a.points)
+        pixels.push_back(rig.pixel(*T_b_a * types::point_cam(rig, point)));
+    return pixels;
+}
+
 }  // namespace
 
 SiftKeypoints sift_keypoints(const types::RectifiedFrame& frame, int num_disparities_px) {
@@ -101,14 +113,20 @@ SiftKeypoints sift_keypoints(const types::RectifiedFrame& frame, int num_dispari
 
 odometry::PointPairs match_sift(const types::RectifiedRig& rig,
                                 const SiftKeypoints& a,
-                                const SiftKeypoints& b) {
+                                const SiftKeypoints& b,
+                                const std::optional<Eigen::Isometry3d>& T_b_a) {
+    const std::vector<Eigen::Vector2d> expected_px = expected_pixels(rig, a, T_b_a);
+    const double radius_px = kGuidedShare * rig.width_px;
     const Eigen::MatrixXf cosines = a.descriptors.transpose() * b.descriptors;
     std::vector<Nearest> of_a(a.points.size());
     std::vector<Nearest> of_b(b.points.size());
     for (Eigen::Index j = 0; j < cosines.cols(); ++j) {
         for (Eigen::Index i = 0; i < cosines.rows(); ++i) {
-            offer(of_a[static_cast<std::size_t>(i)], j, cosines(i, j));
-            offer(of_b[static_cast<std::size_t>(j)], i, cosines(i, j));
+            const auto from = static_cast<std::size_t>(i);
+            const auto to = static_cast<std::size_t>(j);
+            if (T_b_a && (b.points[to].pixel - expected_px[from]).norm() > radius_px) continue;
+            offer(of_a[from], j, cosines(i, j));
+            offer(of_b[to], i, cosines(i, j));
         }
     }
     odometry::PointPairs pairs;

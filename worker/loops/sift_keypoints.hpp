@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
 #include <vector>
@@ -26,9 +26,12 @@ struct SiftKeypoints {
 SiftKeypoints sift_keypoints(const types::RectifiedFrame& frame, int num_disparities_px);
 
 // Returns pairs that are mutual nearest neighbours and clearly nearer than the second. `previous`
-// of a pair belongs to a, `current` to b; its id is that of the point of a.
+// of a pair belongs to a, `current` to b; its id is that of the point of a. With a guess of the
+// motion, neighbours are searched for only around where it leads, within an eighth of the width:
+// there more of them are distinct.
 odometry::PointPairs match_sift(const types::RectifiedRig& rig,
                                 const SiftKeypoints& a,
-                                const SiftKeypoints& b);
+                                const SiftKeypoints& b,
+                                const std::optional<Eigen::Isometry3d>& T_b_a = std::nullopt);
 
 }  // namespace divemesh::loops

@@ -21,6 +21,7 @@ namespace {
 // times in which a sensor contradicted the images.
 constexpr int kMaxAttempts = 5;
 constexpr double kMinDepth_m = 0.05;
+constexpr int kNumPasses = 2;  // the first makes the motion more accurate for the second
 
 std::size_t num_with_depth(const types::Features& features) {
     return static_cast<std::size_t>(
@@ -141,7 +142,13 @@ std::optional<WindowTracker::Observed> WindowTracker::follow_wide(
         memory_.register_to_previous(frame, prior, odometry::seed_of(options_.seed, frame));
     if (!rough) return std::nullopt;
     moving_.forget();
-    Observed seen = observe(frame, tracker_.track_again(features_, *rough), prior.rotation, *rough);
+    Observed seen;
+    seen.vision.T_current_previous = *rough;
+    for (int pass = 0; pass < kNumPasses; ++pass) {
+        const Eigen::Isometry3d motion = seen.vision.T_current_previous;
+        seen = observe(frame, tracker_.track_again(features_, motion), prior.rotation, motion);
+        if (!seen.vision.found) return std::nullopt;
+    }
     seen.predicted = false;
     return seen;
 }
