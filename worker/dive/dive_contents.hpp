@@ -16,7 +16,8 @@ struct DiveContents {
     bool has_rig = false;  // both cameras are calibrated
     std::vector<CameraRow> left_rows;
     std::vector<CameraRow> right_rows;
-    PairedFrames frames;  // set once the images can be read
+    PairedFrames frames;    // set once the images can be read
+    cv::Mat fixed_pattern;  // mask of left images; empty: none, or images were not read yet
     std::vector<types::ImuSample> imu;
     std::vector<types::OrientationSample> ahrs;
     std::vector<types::PressureSample> pressure;

@@ -166,7 +166,9 @@ private:
         if (!first.is_complete() || second.left.image.empty()) return;
         const cv::Mat& left = first.left.image;
         std::vector<cv::Point2f> corners;
-        cv::goodFeaturesToTrack(left, corners, 250, 0.01, 12.0);
+        cv::Mat is_scene;  // empty: all of the image
+        if (!contents_.fixed_pattern.empty()) cv::bitwise_not(contents_.fixed_pattern, is_scene);
+        cv::goodFeaturesToTrack(left, corners, 250, 0.01, 12.0, is_scene);
         if (std::ssize(corners) < kMinPoints) return;
         std::vector<bool> found(corners.size(), true);
         const auto right = follow(left, first.right.image, corners, found);

@@ -4,6 +4,7 @@
 
 #include "worker/dive/coverage.hpp"
 #include "worker/dive/entry_name.hpp"
+#include "worker/dive/image_checks.hpp"
 #include "worker/dive/motion_check.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/io/ply.hpp"
@@ -64,6 +65,8 @@ StoredDive::StoredDive(const std::filesystem::path& path,
     check_first_images();
     if (has_error(findings_.all())) return;
     const auto load_pair = [this](int index) { return load(index); };
+    contents_.fixed_pattern =
+        check_images(num_frames(), load_pair, contents_.frames.delay.share_fitting, findings_);
     check_motion(contents_, load_pair, progress, findings_);
 }
 

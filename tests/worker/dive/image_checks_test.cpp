@@ -1,0 +1,165 @@
+#include "worker/dive/image_checks.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "tests/worker/dive/finding_matcher.hpp"
+#include "worker/dive/fixed_pattern.hpp"
+#include "worker/dive/image_measures.hpp"
+
+namespace divemesh::dive {
+namespace {
+
+constexpr int kNumFrames = 20;
+
+// A texture of all sizes seen by a camera that moves by 3 px right and 2 px down a frame.
+cv::Mat scene(double frame) {
+    static const cv::Mat texture = [] {
+        cv::Mat sum = cv::Mat::zeros(600, 800, CV_32F);
+        cv::RNG random(3);
+        for (int scale = 1; scale <= 32; scale *= 2) {
+            cv::Mat noise(600 / scale, 800 / scale, CV_32F);
+            random.fill(noise, cv::RNG::NORMAL, 0.0, 10.0);
+            cv::resize(noise, noise, sum.size(), 0, 0, cv::INTER_CUBIC);
+            sum += noise;
+        }
+        cv::GaussianBlur(sum, sum, {}, 1.0);
+        sum.convertTo(sum, CV_8U, 1.0, 120.0);
+        return sum;
+    }();
+    cv::Mat image;
+    const cv::Matx23d shift(1, 0, 20 + 3.0 * frame, 0, 1, 20 + 2.0 * frame);
+    cv::warpAffine(texture, image, shift, {640, 480}, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP);
+    return image;
+}
+
+cv::Mat blurred(const cv::Mat& image, double sigma_px) {
+    cv::Mat result;
+    cv::GaussianBlur(image, result, {}, sigma_px);
+    return result;
+}
+
+cv::Mat water(int frame) {
+    cv::Mat image(480, 640, CV_8UC1);
+    cv::RNG random(static_cast<std::uint64_t>(frame));
+    random.fill(image, cv::RNG::NORMAL, 100.0, 4.0);
+    return image;
+}
+
+using Render = std::function<cv::Mat(int frame)>;
+
+std::vector<Finding> findings_of(const Render& left, const Render& right, double share = 0.5) {
+    FindingLog log;
+    check_images(
+        kNumFrames,
+        [&](int index) {
+            LoadedPair pair;
+            pair.index = index;
+            pair.left.image = left(index);
+            pair.right.image = right(index);
+            return pair;
+        },
+        share,
+        log);
+    return log.all();
+}
+
+cv::Mat healthy(int frame) { return scene(frame); }
+
+TEST(ImageChecksTest, HealthyImagesGetNoFinding) {
+    EXPECT_TRUE(findings_of(healthy, healthy).empty());
+    const Render darker = [](int frame) {
+        cv::Mat image;
+        scene(frame).convertTo(image, CV_8U, 0.5, 10.0);
+        return image;
+    };
+    EXPECT_TRUE(findings_of(healthy, darker).empty());
+}
+
+TEST(ImageChecksTest, AFoggedOrDefocusedCameraIsNamed) {
+    const Render defocused = [](int frame) { return blurred(scene(frame), 3.0); };
+    const Render fogged = [](int frame) {
+        cv::Mat image;
+        blurred(scene(frame), 4.0).convertTo(image, CV_8U, 0.4, 130.0);
+        return image;
+    };
+
+    EXPECT_THAT(findings_of(healthy, defocused),
+                HasFinding(Severity::Warning, "camera_unsharp", "cam1"));
+    EXPECT_THAT(findings_of(fogged, healthy),
+                HasFinding(Severity::Warning, "camera_unsharp", "cam0"));
+    EXPECT_THAT(findings_of(healthy, fogged, 0.0),
+                HasFinding(Severity::Error, "camera_unsharp", "cam1"));
+}
+
+TEST(ImageChecksTest, TwoFieldsOfTwoMomentsAreInterlaced) {
+    const Render interlaced = [](int frame) {
+        cv::Mat image = scene(frame);
+        const cv::Mat later = scene(frame + 0.5);
+        for (int row = 1; row < image.rows; row += 2) later.row(row).copyTo(image.row(row));
+        return image;
+    };
+
+    EXPECT_THAT(findings_of(interlaced, interlaced),
+                HasFinding(Severity::Warning, "images_interlaced", "cam0"));
+}
+
+TEST(ImageChecksTest, ABayerMosaicOfColouredWaterIsNamedAndHidesNoTexture) {
+    const Render mosaic = [](int frame) {
+        cv::Mat image = scene(frame);
+        for (int y = 0; y < image.rows; ++y)
+            for (int x = 0; x < image.cols; ++x)
+                if (x % 2 == y % 2)  // red and blue, which green water takes away
+                    image.at<unsigned char>(y, x) =
+                        static_cast<unsigned char>(image.at<unsigned char>(y, x) * 0.6);
+        return image;
+    };
+
+    const auto told = findings_of(mosaic, mosaic);
+
+    ASSERT_EQ(told.size(), 1U);
+    EXPECT_THAT(told, HasFinding(Severity::Warning, "images_bayer", "differ by 5"));
+}
+
+TEST(ImageChecksTest, OpenWaterIsToldAndRefusedIfThereIsNothingElse) {
+    const Render half = [](int frame) {
+        return frame < kNumFrames / 2 ? scene(frame) : water(frame);
+    };
+
+    EXPECT_THAT(findings_of(half, half),
+                HasFinding(Severity::Warning, "images_featureless", "50 %"));
+    EXPECT_THAT(findings_of(water, water),
+                HasFinding(Severity::Error, "images_featureless", "100 %"));
+}
+
+TEST(ImageChecksTest, TextThatTheCameraBurnsInIsMasked) {
+    FixedPattern pattern;
+    FixedPattern without;
+    FixedPattern still;
+    for (int frame = 0; frame < kNumFrames; ++frame) {
+        cv::Mat image = scene(frame);
+        without.add(image);
+        still.add(scene(0));
+        cv::rectangle(image, {0, 0}, {639, 40}, cv::Scalar(0), -1);
+        cv::putText(image,
+                    "ROV 7  DEPTH 18.2 m  " + std::to_string(frame),
+                    {10, 30},
+                    cv::FONT_HERSHEY_SIMPLEX,
+                    0.8,
+                    cv::Scalar(255),
+                    2);
+        pattern.add(image);
+    }
+
+    const cv::Mat mask = pattern.mask();
+
+    ASSERT_FALSE(mask.empty());
+    EXPECT_EQ(mask.at<unsigned char>(22, 100), 255);
+    EXPECT_EQ(mask.at<unsigned char>(300, 320), 0);
+    EXPECT_TRUE(without.mask().empty());
+    EXPECT_TRUE(still.mask().empty());
+}
+
+}  // namespace
+}  // namespace divemesh::dive

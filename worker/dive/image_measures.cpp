@@ -1,0 +1,128 @@
+#include "worker/dive/image_measures.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <opencv2/imgproc.hpp>
+#include <vector>
+
+#include "worker/stats/median.hpp"
+
+namespace divemesh::dive {
+namespace {
+
+constexpr int kWidth_px = 640;
+constexpr int kCell_px = 32;
+constexpr int kMosaicBlock_px = 16;
+constexpr double kMinContrast = 0.4;  // grey values; corners with less are lost in 8 bits
+constexpr double kNoiseGain = 0.126;  // of white noise through the band of has_texture()
+constexpr double kTextureOverNoise = 2.0;
+
+cv::Mat reduced(const cv::Mat& image) {
+    cv::Mat result;
+    image.convertTo(result, CV_32F);
+    if (image.cols <= kWidth_px) return result;
+    const double scale = static_cast<double>(kWidth_px) / image.cols;
+    cv::resize(result, result, {}, scale, scale, cv::INTER_AREA);
+    return result;
+}
+
+// Returns details of a size: the difference of two Gaussians, of sigma and twice that.
+cv::Mat band(const cv::Mat& image, double sigma_px) {
+    cv::Mat fine;
+    cv::Mat coarse;
+    cv::GaussianBlur(image, fine, {}, sigma_px);
+    cv::GaussianBlur(image, coarse, {}, 2.0 * sigma_px);
+    return fine - coarse;
+}
+
+double deviation(const cv::Mat& image) {
+    cv::Scalar mean;
+    cv::Scalar deviation;
+    cv::meanStdDev(image, mean, deviation);
+    return deviation[0];
+}
+
+// Returns the mean of |2 I(y) - I(y - step) - I(y + step)|.
+double line_contrast(const cv::Mat& image, int step) {
+    const int rows = image.rows - 4;
+    cv::Mat difference = 2.0 * image.rowRange(2, 2 + rows) -
+                         image.rowRange(2 - step, 2 - step + rows) -
+                         image.rowRange(2 + step, 2 + step + rows);
+    return cv::mean(cv::abs(difference))[0];
+}
+
+// Returns the median over square cells of a measure.
+template <typename Get>
+double median_of_cells(const cv::Mat& image, const Get& get) {
+    std::vector<double> values;
+    for (int y = 0; y + kCell_px <= image.rows; y += kCell_px)
+        for (int x = 0; x + kCell_px <= image.cols; x += kCell_px)
+            values.push_back(get(image(cv::Rect(x, y, kCell_px, kCell_px))));
+    return stats::upper_median(std::move(values));
+}
+
+// Returns the standard deviation of white noise (Immerkaer 1996).
+double noise_level(const cv::Mat& image) {
+    const cv::Matx33f kernel(1, -2, 1, -2, 4, -2, 1, -2, 1);
+    cv::Mat second;
+    cv::filter2D(image, second, CV_32F, kernel);
+    return std::sqrt(0.5 * std::numbers::pi) / 6.0 *
+           median_of_cells(cv::abs(second), [](const cv::Mat& cell) { return cv::mean(cell)[0]; });
+}
+
+}  // namespace
+
+double sharpness(const cv::Mat& image) {
+    const cv::Mat fine = reduced(image);
+    cv::Mat coarse;
+    cv::resize(fine, coarse, {}, 0.25, 0.25, cv::INTER_AREA);
+    const double reference = deviation(band(coarse, 1.2));
+    return reference > 0.0 ? deviation(band(fine, 1.2)) / reference : 0.0;
+}
+
+double combing(const cv::Mat& image) {
+    if (image.rows < 16 || image.cols < 16) return 1.0;
+    cv::Mat lines;
+    image.convertTo(lines, CV_32F);
+    const cv::Mat columns = lines.t();
+    const double across_lines = line_contrast(lines, 1) / std::max(1e-6, line_contrast(lines, 2));
+    const double across_columns =
+        line_contrast(columns, 1) / std::max(1e-6, line_contrast(columns, 2));
+    return across_columns > 0.0 ? across_lines / across_columns : 1.0;
+}
+
+double mosaic_contrast(const cv::Mat& image) {
+    const double mean = cv::mean(image)[0];
+    if (mean < 1.0) return 0.0;
+    std::vector<double> diagonal;
+    std::vector<double> by_row;
+    std::vector<double> by_column;
+    for (int y = 0; y + kMosaicBlock_px <= image.rows; y += kMosaicBlock_px)
+        for (int x = 0; x + kMosaicBlock_px <= image.cols; x += kMosaicBlock_px) {
+            double sum[2][2] = {{0, 0}, {0, 0}};
+            for (int v = 0; v < kMosaicBlock_px; ++v) {
+                const unsigned char* row = image.ptr<unsigned char>(y + v) + x;
+                for (int u = 0; u < kMosaicBlock_px; ++u) sum[v % 2][u % 2] += row[u];
+            }
+            diagonal.push_back(sum[0][0] + sum[1][1] - sum[0][1] - sum[1][0]);
+            by_row.push_back(sum[0][0] + sum[0][1] - sum[1][0] - sum[1][1]);
+            by_column.push_back(sum[0][0] + sum[1][0] - sum[0][1] - sum[1][1]);
+        }
+    // Two pixels of a cell against the other two, of 64 cells in a block.
+    const double scale = 2.0 * (kMosaicBlock_px / 2) * (kMosaicBlock_px / 2) * mean;
+    double contrast = 0.0;
+    for (std::vector<double>* values : {&diagonal, &by_row, &by_column})
+        contrast = std::max(contrast, std::abs(stats::median(std::move(*values))) / scale);
+    return contrast;
+}
+
+bool has_texture(const cv::Mat& image) {
+    const cv::Mat small = reduced(image);
+    if (small.rows < kCell_px || small.cols < kCell_px) return true;
+    const double contrast = median_of_cells(band(small, 1.5), deviation);
+    const double noise = kNoiseGain * noise_level(small);
+    return contrast > std::max(kMinContrast, kTextureOverNoise * noise);
+}
+
+}  // namespace divemesh::dive

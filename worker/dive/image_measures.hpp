@@ -1,0 +1,26 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace divemesh::dive {
+
+// Physical measures of one image, 8 bit grey as recorded. None depends on brightness or contrast,
+// except texture.
+
+// Returns the energy of fine detail (2 px) relative to coarse detail (8 px): what a lens out of
+// focus or a fogged port loses first. 0 for an image of one colour.
+double sharpness(const cv::Mat& image);
+
+// Returns how much lines differ from their neighbours, relative to lines two apart, over the same
+// of columns. It is 1 for an image taken at once and grows where two fields show two times.
+double combing(const cv::Mat& image);
+
+// Returns how much the four pixels of a 2 x 2 cell differ everywhere in the same way, relative to
+// the mean brightness: 0, or the differences of the colours in a Bayer mosaic.
+double mosaic_contrast(const cv::Mat& image);
+
+// Returns whether at least half of the image has texture above its noise: a median contrast of
+// details of about 4 px, in images reduced to 640 px of width.
+bool has_texture(const cv::Mat& image);
+
+}  // namespace divemesh::dive
