@@ -27,6 +27,9 @@ constexpr double kMinSigma_rad = 1e-5;   // of a rotation from vision
 constexpr double kSignificant = 4.0;     // sigmas
 constexpr double kMinOffset_s = 1.5e-3;  // correcting a smaller one risks more than it gains
 constexpr double kMinRotation_rad = 4e-3;
+// Noise that both measure as rotation looks like information about clock and axes: the derivatives
+// of the least squares contain the gyroscope's. With less motion than this nothing is estimated.
+constexpr double kMinSignalToNoise = 4.0;
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
@@ -54,6 +57,18 @@ public:
         double sum = 0.0;
         for (const TimedRotation& rotation : rotations_) sum += residual(state, rotation).norm();
         return sum;
+    }
+
+    // Returns the energy of the gyroscope's rotations about their mean over that of the residuals.
+    double signal_to_noise(const State& state) const {
+        Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+        for (const Turn& turn : turns_)
+            mean += gyroscope(turn, state.offset_s) / static_cast<double>(turns_.size());
+        double signal = 0.0;
+        for (const Turn& turn : turns_)
+            signal += (gyroscope(turn, state.offset_s) - mean).squaredNorm();
+        const double sigma = scale(state);
+        return signal / (3.0 * sigma * sigma * static_cast<double>(turns_.size()));
     }
 
     // Does one Gauss-Newton step and returns the covariance. The time offset changes only if
@@ -192,6 +207,7 @@ std::optional<AlignmentEstimate> estimate_alignment(const std::vector<types::Imu
     State state = coarse(fit);
     Matrix7 covariance;
     for (int i = 0; i < 8; ++i) covariance = fit.step(state, true);
+    if (fit.signal_to_noise(state) < kMinSignalToNoise) return std::nullopt;
     AlignmentEstimate estimate;
     estimate.alignment = {state.offset_s, state.q_body_imu};
     estimate.time_offset_sigma_s = std::sqrt(covariance(0, 0));

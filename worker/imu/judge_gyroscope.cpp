@@ -22,6 +22,7 @@ constexpr std::size_t kMaxSpans = 40;  // what is wrong for twelve seconds is fo
 constexpr std::size_t kMinSpansToShift = 32;
 constexpr double kMinCovered = 0.6;  // share of the spans that samples cover
 constexpr double kStep_s = 0.02;
+constexpr double kFineStep_s = 0.002;    // around the best far offset
 constexpr double kMinRate_rad_s = 0.02;  // RMS; below this noise dominates
 constexpr double kNoise_rad_s = 0.008;   // of vision over a span, at worst
 constexpr double kFits = 0.1;            // unexplained shares
@@ -107,7 +108,7 @@ struct Fit {
     double offset_s = 0.0;
     double unexplained = 1.0;  // share, of the worst axis
     double scale = 1.0;
-    double rate_rad_s = 0.0;  // RMS of the larger of the two
+    double rate_rad_s = 0.0;  // RMS about the axis with the most, of the larger of the two
 };
 
 double unexplained_share(const Moments& moments, const Eigen::Matrix3d& mounting) {
@@ -152,21 +153,30 @@ Fit fit_at(const Rates& rates, double offset_s, const Eigen::Matrix3d& given) {
     Fit fit;
     fit.offset_s = offset_s;
     fit.unexplained = unexplained_share(moments, mounting);
-    fit.rate_rad_s = std::sqrt(std::max(moments.gyroscope.trace(), moments.vision.trace()));
+    fit.rate_rad_s = std::sqrt(
+        std::max((mounting * moments.gyroscope * mounting.transpose()).diagonal().maxCoeff(),
+                 moments.vision.diagonal().maxCoeff()));
     const double both = (mounting * moments.gyroscope_vision).trace();
     fit.scale = moments.gyroscope.trace() / std::max(both, 1e-12);
     return fit;
 }
 
-// Returns the best fit among the offsets up to `reach_s`; nullopt if samples cover too few spans.
+// A series of time offsets.
+struct Offsets {
+    double middle_s = 0.0;
+    double reach_s = kNearOffset_s;
+    double step_s = kStep_s;
+};
+
+// Returns the best fit among the offsets; nullopt if samples cover too few spans.
 std::optional<Fit> best_fit(const GyroscopePath& path,
                             const std::vector<TurnSpan>& spans,
-                            double reach_s,
+                            const Offsets& offsets,
                             const Eigen::Matrix3d& mounting) {
     std::optional<Fit> best;
-    const int num_steps = static_cast<int>(std::lround(reach_s / kStep_s));
+    const int num_steps = static_cast<int>(std::lround(offsets.reach_s / offsets.step_s));
     for (int step = -num_steps; step <= num_steps; ++step) {
-        const double offset_s = kStep_s * step;
+        const double offset_s = offsets.middle_s + offsets.step_s * step;
         const auto rates = rates_at(path, spans, offset_s);
         if (!rates) continue;
         const Fit fit = fit_at(*rates, offset_s, mounting);
@@ -217,14 +227,14 @@ void explain(const GyroscopePath& path,
     judgement.fault = GyroscopeFault::Unexplained;
     double least = kFits;
     for_each_mounting([&](const Eigen::Matrix3d& mounting) {
-        const auto fit = best_fit(path, spans, kNearOffset_s, mounting);
+        const auto fit = best_fit(path, spans, {}, mounting);
         if (!fit || fit->unexplained >= least) return;
         least = fit->unexplained;
         name_mounting(mounting, judgement);
     });
     if (judgement.fault != GyroscopeFault::Unexplained) return;
-    const auto scaled = best_fit(
-        path, spans, kNearOffset_s, Eigen::Matrix3d(Eigen::Matrix3d::Identity() / near.scale));
+    const auto scaled =
+        best_fit(path, spans, {}, Eigen::Matrix3d(Eigen::Matrix3d::Identity() / near.scale));
     if (!scaled || scaled->unexplained >= kFits) return;
     judgement.fault = GyroscopeFault::Scaled;
     judgement.scale = near.scale;
@@ -259,7 +269,7 @@ GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
     const GyroscopePath path(
         samples, last.front().from_ns - reach_ns, last.back().to_ns + reach_ns);
     const Eigen::Matrix3d as_mounted = Eigen::Matrix3d::Identity();
-    const auto near = best_fit(path, last, kNearOffset_s, as_mounted);
+    const auto near = best_fit(path, last, {}, as_mounted);
     if (!near || near->rate_rad_s < kMinRate_rad_s) return judgement;
     judgement.time_offset_s = near->offset_s;
     judgement.unexplained_share = near->unexplained;
@@ -268,7 +278,8 @@ GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
         return judgement;
     }
     if (last.size() < kMinSpansToShift) return judgement;
-    const auto far = best_fit(path, last, kMaxOffset_s, as_mounted);
+    auto far = best_fit(path, last, {0.0, kMaxOffset_s, kStep_s}, as_mounted);
+    if (far) far = best_fit(path, last, {far->offset_s, kStep_s, kFineStep_s}, as_mounted);
     if (far && far->unexplained < kFits && far->unexplained < kClearlyBetter * near->unexplained) {
         judgement.fit = std::abs(far->offset_s) > kNearOffset_s ? GyroscopeFit::FitsShifted
                                                                 : GyroscopeFit::Fits;

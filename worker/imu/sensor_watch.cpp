@@ -8,6 +8,8 @@ namespace {
 
 constexpr std::size_t kFirstJudgement = 16;  // spans
 constexpr std::size_t kJudgementStep = 4;
+// Of the spans that were said to fit, the last so many may already have been wrong.
+constexpr std::size_t kUnnoticed = 8;
 constexpr int kNumLost = 3;  // frames in a row: the scene is lost, not one image spoilt
 
 std::vector<types::ImuSample> shifted(const std::vector<types::ImuSample>& samples,
@@ -37,7 +39,7 @@ void SensorWatch::watch(const VisionMotion& motion, InertialPrior& inertial) {
 
 void SensorWatch::lost_scene() {
     if (++num_lost_ < kNumLost || samples_.empty()) return;
-    if (confirmed_ || plan_.left_out.imu || restart_) return;
+    if (confirmed_ || plan_.imu_confirmed || plan_.left_out.imu || restart_) return;
     start_anew(false);
     restart_->imu_on_probation = true;
 }
@@ -46,12 +48,21 @@ void SensorWatch::start_anew(bool with_imu) {
     restart_ = plan_;
     restart_->imu_on_probation = false;
     restart_->left_out.imu = !with_imu;
+    restart_->imu_confirmed = with_imu;
 }
 
 void SensorWatch::judge(InertialPrior& inertial) {
     take(judge_gyroscope(samples_, turns_.spans()), inertial);
-    if (confirmed_ && !contradicts_now_ && !plan_.left_out.accelerometer) judge_accelerometer();
-    if (confirmed_ && plan_.imu_on_probation && !restart_) start_anew(true);
+    if (!confirmed_ || contradicts_now_ || restart_) return;
+    const auto disagreement = gravity_.disagreement_m_s2();
+    if (!plan_.left_out.accelerometer &&
+        disagreement.value_or(0.0) > kMaxGravityDisagreement_m_s2) {
+        start_anew(true);
+        restart_->left_out.accelerometer = true;
+        restart_->gravity_disagreement_m_s2 = *disagreement;
+    } else if (plan_.imu_on_probation && disagreement) {
+        start_anew(true);
+    }
 }
 
 void SensorWatch::take(const GyroscopeJudgement& judgement, InertialPrior& inertial) {
@@ -60,6 +71,7 @@ void SensorWatch::take(const GyroscopeJudgement& judgement, InertialPrior& inert
         case GyroscopeFit::Fits:
             confirmed_ = true;
             contradicts_now_ = false;
+            num_confirmed_ = turns_.spans().size();
             inertial.leave_out_from(std::nullopt);
             return;
         case GyroscopeFit::FitsShifted:
@@ -83,7 +95,7 @@ void SensorWatch::contradicted(const GyroscopeJudgement& judgement, InertialPrio
         return;
     }
     const auto& spans = turns_.spans();
-    const std::size_t first = spans.size() - std::min(spans.size(), kFirstJudgement);
+    const std::size_t first = num_confirmed_ - std::min(num_confirmed_, kUnnoticed);
     if (contradicted_.empty()) first_contradiction_ = judgement;
     if (!contradicts_now_) contradicted_.push_back({spans[first].from_ns, spans.back().to_ns});
     contradicted_.back().to_ns = spans.back().to_ns;
@@ -91,21 +103,22 @@ void SensorWatch::contradicted(const GyroscopeJudgement& judgement, InertialPrio
     inertial.leave_out_from(spans.back().to_ns);
 }
 
-void SensorWatch::judge_accelerometer() {
-    const auto disagreement = gravity_.disagreement_m_s2();
-    if (!disagreement || *disagreement < kMaxGravityDisagreement_m_s2) return;
-    start_anew(true);
-    restart_->left_out.accelerometer = true;
-    restart_->gravity_disagreement_m_s2 = *disagreement;
-}
-
 std::optional<SensorPlan> SensorWatch::restart_at_end() const {
-    if (contradicted_.empty()) return std::nullopt;
     SensorPlan plan = plan_;
+    if (plan_.imu_on_probation && confirmed_) {  // vision never lasted long enough to test gravity
+        plan.imu_on_probation = plan.left_out.imu = false;
+        plan.imu_confirmed = plan.left_out.accelerometer = true;
+        return plan;
+    }
+    if (contradicted_.empty()) return std::nullopt;
     plan.gyroscope = first_contradiction_;
     const std::int64_t shift_ns = std::llround(1e9 * plan_.time_offset_s);
     for (const types::TimeInterval& time : contradicted_)
         plan.left_out.imu_times.push_back({time.from_ns + shift_ns, time.to_ns + shift_ns});
+    if (contradicts_now_) {
+        types::TimeInterval& last = plan.left_out.imu_times.back();
+        last.to_ns = std::max(last.to_ns, samples_.back().timestamp_ns + shift_ns);
+    }
     return plan;
 }
 

@@ -18,7 +18,8 @@ struct SensorPlan {
     double time_offset_s = 0.0;  // with which tracking starts, as in ImuAlignment
     // The scene was lost before vision had confirmed the IMU: vision goes on alone until it has.
     bool imu_on_probation = false;
-    GyroscopeJudgement gyroscope;            // why the plan differs from the dive as stated
+    bool imu_confirmed = false;    // by an earlier attempt: it stays in use when the scene is lost
+    GyroscopeJudgement gyroscope;  // why the plan differs from the dive as stated
     double gravity_disagreement_m_s2 = 0.0;  // likewise, of the accelerometer
 };
 
@@ -49,7 +50,6 @@ private:
     void start_anew(bool with_imu);
     void take(const GyroscopeJudgement& judgement, InertialPrior& inertial);
     void contradicted(const GyroscopeJudgement& judgement, InertialPrior& inertial);
-    void judge_accelerometer();
 
     SensorPlan plan_;
     std::vector<types::ImuSample> samples_;  // as stated, with the plan's time offset
@@ -63,6 +63,7 @@ private:
     std::vector<types::TimeInterval> contradicted_;
     bool contradicts_now_ = false;
     GyroscopeJudgement first_contradiction_;
+    std::size_t num_confirmed_ = 0;  // spans up to the last judgement that the IMU fits
 };
 
 }  // namespace divemesh::imu

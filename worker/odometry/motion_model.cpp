@@ -69,6 +69,12 @@ Eigen::Isometry3d MotionModel::predict_by_imu(const imu::PreintegratedImu& motio
     return rig_.T_imu_cam.inverse() * T_from_to * rig_.T_imu_cam;
 }
 
+void MotionModel::rest() {
+    velocity_cam_.setZero();
+    angular_velocity_cam_.setZero();
+    if (inertial_state_) inertial_state_->velocity_world.setZero();
+}
+
 void MotionModel::advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns) {
     const Eigen::Isometry3d T_previous_current = T_current_previous.inverse();
     const double interval_s = std::max(seconds(timestamp_ns - timestamp_ns_), 1e-6);

@@ -36,6 +36,9 @@ public:
         inertial_state_ = InertialState{velocity_world, gravity_direction_world};
     }
 
+    // Tells that the rig rests at the last pose.
+    void rest();
+
     bool started() const { return started_; }
     const Eigen::Isometry3d& T_world_cam() const { return T_world_cam_; }
     std::int64_t timestamp_ns() const { return timestamp_ns_; }

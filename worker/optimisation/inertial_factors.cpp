@@ -28,6 +28,11 @@ void set_velocities(const std::vector<types::Keyframe>& keyframes, std::vector<B
     }
 }
 
+const imu::GyroscopeIntegral* rotation_of(const imu::SensorReadings& readings) {
+    if (readings.motion) return &readings.motion->rotation;
+    return readings.rotation ? &*readings.rotation : nullptr;
+}
+
 }  // namespace
 
 void add_relative_factors(BundleAdjustment& bundle_adjustment,
@@ -66,12 +71,11 @@ void add_absolute_factors(BundleAdjustment& bundle_adjustment,
 void add_bias_priors(BundleAdjustment& bundle_adjustment,
                      const imu::SensorReadings& readings,
                      BodyState& from) {
-    if (readings.motion || readings.rotation)
-        bundle_adjustment.add_gyroscope_bias(
-            from, Eigen::Vector3d::Zero(), imu::kInitialGyroscopeBiasSigma);
+    if (const auto* rotation = rotation_of(readings))
+        bundle_adjustment.add_gyroscope_bias(from, rotation->bias, imu::kInitialGyroscopeBiasSigma);
     if (readings.motion)
         bundle_adjustment.add_accelerometer_bias(
-            from, Eigen::Vector3d::Zero(), imu::kInitialAccelerometerBiasSigma);
+            from, readings.motion->accelerometer_bias, imu::kInitialAccelerometerBiasSigma);
 }
 
 void add_gravity_prior(BundleAdjustment& bundle_adjustment,

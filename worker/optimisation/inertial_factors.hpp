@@ -29,8 +29,8 @@ void add_absolute_factors(BundleAdjustment& bundle_adjustment,
                           const imu::SensorReadings& readings,
                           BodyState& state,
                           WorldReference& reference);
-// Add the priors: of the biases, where readings begin at `from`; of the vertical, if the pressure
-// is the only sensor for it.
+// Add the priors: of the biases, as known when the readings were integrated, where these begin at
+// `from`; of the vertical, if the pressure is the only sensor for it.
 void add_bias_priors(BundleAdjustment& bundle_adjustment,
                      const imu::SensorReadings& readings,
                      BodyState& from);

@@ -23,6 +23,8 @@ public:
     }
 
     bool empty() const { return last_ns_ == kNever; }
+    // Returns true if keyframes have been adjusted, so that velocity and biases are estimated.
+    bool is_adjusted() const { return sliding_window_.keyframes().size() > 1; }
     bool due(const types::Features& features, std::int64_t timestamp_ns) {
         return rule_.due(features, timestamp_ns);
     }

@@ -68,8 +68,9 @@ Finding imu_not_confirmed() {
     return {Severity::Warning,
             "imu_left_out",
             kImuTable,
-            "the scene was lost with the IMU's predictions before images could confirm them, and "
-            "the dive rotates too little to test the gyroscope. The dive was reconstructed without "
+            "the scene was lost with the IMU's predictions before images could confirm them, "
+            "and too little of the dive could be used to test the IMU. The dive was reconstructed "
+            "without "
             "its IMU",
             "check the IMU's table, its axes and its clock; turn the rig for some seconds at the "
             "start of a dive"};
@@ -101,7 +102,8 @@ Finding clock_offset(double offset_s) {
 
 std::vector<Finding> sensor_findings(const imu::SensorPlan& plan) {
     std::vector<Finding> findings;
-    if (plan.imu_on_probation) return {imu_not_confirmed()};
+    const bool explained = plan.gyroscope.fault != imu::GyroscopeFault::None;
+    if (plan.imu_on_probation || (plan.left_out.imu && !explained)) return {imu_not_confirmed()};
     if (plan.left_out.imu) return {imu_left_out(plan.gyroscope)};
     if (plan.time_offset_s != 0.0) findings.push_back(clock_offset(plan.time_offset_s));
     if (!plan.left_out.imu_times.empty()) findings.push_back(imu_left_out_for_a_time(plan));

@@ -22,6 +22,12 @@ namespace {
 constexpr int kMaxAttempts = 5;
 constexpr double kMinDepth_m = 0.05;
 constexpr int kNumPasses = 2;  // the first makes the motion more accurate for the second
+// With fewer features a rig at rest needs a new keyframe.
+constexpr std::size_t kFewFeatures = 60;
+// A rig that turns faster than one degree a second does not rest, whatever the images show.
+constexpr std::int64_t kTurnTime_ns = 500'000'000;
+constexpr double kTurned_rad = 0.01;
+constexpr std::int64_t kBiasTime_ns = 7'000'000'000;  // shorter than the IMU is integrated
 
 std::size_t num_with_depth(const types::Features& features) {
     return static_cast<std::size_t>(
@@ -44,7 +50,8 @@ WindowTracker::WindowTracker(const types::RectifiedRig& rig,
       memory_(rig, options.close_loops, options.num_disparities_px),
       mapping_rule_(rig, options.surface ? options.map_step : 0.0),
       motion_(rig, inertial_),
-      moving_(rig) {
+      moving_(rig),
+      rest_(rig) {
     if (plan.time_offset_s != 0.0) inertial_.align({plan.time_offset_s});
 }
 
@@ -65,12 +72,15 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
         seen = recover(frame, rotation, expected, std::move(seen));
     const odometry::Registration& vision = seen.vision;
     const auto guess = odometry::predict_orientation(rotation, vision);  // 5
-    const auto T_current_previous =                                      // 6
+    const auto estimated =                                               // 6
         vision.found ? summary_.counted(odometry::refine_pose(rig_, vision.inliers, guess))
                      : expected;
+    const auto at_rest = watch_rest(vision, estimated, now_ns);
+    const auto T_current_previous = at_rest.value_or(estimated);
 
     motion_.advance(T_current_previous, now_ns);
     if (vision.found) motion_.confirm_by_vision();
+    if (at_rest) rest(now_ns);
     watch_sensors(seen.measured, vision, before_ns, now_ns);
     const bool first = map_.empty();
     first ? summary_.add_first_frame() : summary_.add_frame(seen.tracks, vision, guess);
@@ -79,7 +89,8 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
     features_ = odometry::without_dynamic_features(seen.tracks, seen.pairs, vision);
     odometry::add_lost_features(
         frame, T_current_previous, options_.num_disparities_px, tracker_, features_);
-    const bool keep = first || (vision.found && map_.due(features_, now_ns));
+    const bool needed = !at_rest || vision.inliers.size() < kFewFeatures;
+    const bool keep = first || (vision.found && needed && map_.due(features_, now_ns));
     if (keep || !vision.found)
         odometry::add_new_features(
             rig_, frame, {}, options_.num_disparities_px, tracker_, features_);
@@ -180,7 +191,33 @@ std::optional<features::DescribedKeypoints> WindowTracker::keep_keyframe(
     const types::RectifiedFrame& frame) {
     memory_.relocalise(frame, odometry::seed_of(options_.seed, frame), features_, motion_);
     map_.add(frame, features_, motion_, inertial_);
+    rest_.restart();
     return memory_.keep(frame, features_, motion_.T_world_cam());
+}
+
+std::optional<Eigen::Isometry3d> WindowTracker::watch_rest(const odometry::Registration& vision,
+                                                           const Eigen::Isometry3d& estimated,
+                                                           std::int64_t now_ns) {
+    if (!vision.found || turns_by_gyroscope(now_ns)) {
+        rest_.restart();
+        return std::nullopt;
+    }
+    const auto T_world_rest = rest_.watch(
+        now_ns, odometry::static_features(vision), motion_.T_world_cam() * estimated.inverse());
+    if (!T_world_rest) return std::nullopt;
+    return T_world_rest->inverse() * motion_.T_world_cam();
+}
+
+bool WindowTracker::turns_by_gyroscope(std::int64_t now_ns) const {
+    const auto turned = inertial_.rotation(now_ns - kTurnTime_ns, now_ns);
+    if (!turned) return false;
+    const double angle_rad = Eigen::AngleAxisd(turned->q).angle();
+    return angle_rad > kTurned_rad + 3.0 * turned->sigma_rad;
+}
+
+void WindowTracker::rest(std::int64_t now_ns) {
+    motion_.rest();
+    inertial_.learn_bias_at_rest(std::max(rest_.began_ns(), now_ns - kBiasTime_ns), now_ns);
 }
 
 void WindowTracker::watch_sensors(const odometry::PointPairs& measured,
@@ -191,6 +228,8 @@ void WindowTracker::watch_sensors(const odometry::PointPairs& measured,
     if (!vision.found) return sensors_.lost_scene();
     const auto motion = odometry::motion_by_vision(rig_, measured, vision, before_ns, now_ns);
     if (!motion) return;
+    if (!map_.is_adjusted())
+        inertial_.learn_bias(before_ns, now_ns, Eigen::Quaterniond(motion->T_from_to.linear()));
     if (options_.align_imu) aligner_.watch(*motion, inertial_);
     sensors_.watch(*motion, inertial_);
 }
@@ -222,6 +261,7 @@ types::Track track_window(types::Recording& recording,
         if (attempt + 1 == kMaxAttempts) {
             plan.left_out.imu = true;  // then nothing asks for another attempt
             plan.imu_on_probation = false;
+            plan.gyroscope.fault = imu::GyroscopeFault::None;
         }
         recording.rewind();
         store.clear();

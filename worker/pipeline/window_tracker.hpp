@@ -11,6 +11,7 @@
 #include "worker/odometry/dynamic_features.hpp"
 #include "worker/odometry/imu_aligner.hpp"
 #include "worker/odometry/motion_model.hpp"
+#include "worker/odometry/rest_detector.hpp"
 #include "worker/odometry/track_summary.hpp"
 #include "worker/pipeline/keyframe_map.hpp"
 #include "worker/pipeline/track_frames.hpp"
@@ -57,6 +58,13 @@ private:
     std::optional<Observed> recognise(const types::RectifiedFrame& frame,
                                       const std::optional<types::KnownRotation>& rotation,
                                       const Eigen::Isometry3d& expected);
+    // Returns T_current_previous of a rig that stands still; nullopt if it moves.
+    std::optional<Eigen::Isometry3d> watch_rest(const odometry::Registration& vision,
+                                                const Eigen::Isometry3d& estimated,
+                                                std::int64_t now_ns);
+    bool turns_by_gyroscope(std::int64_t now_ns) const;
+    // Uses that velocity and rotation are zero.
+    void rest(std::int64_t now_ns);
     // Compares the sensors with what vision measured.
     void watch_sensors(const odometry::PointPairs& measured,
                        const odometry::Registration& vision,
@@ -76,6 +84,7 @@ private:
     keyframes::MappingRule mapping_rule_;
     odometry::MotionModel motion_;
     odometry::DynamicFeatures moving_;
+    odometry::RestDetector rest_;
     types::Features features_;  // static ones, as the last frame had them
     odometry::TrackSummary summary_;
 };

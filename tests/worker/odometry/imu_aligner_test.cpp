@@ -5,6 +5,7 @@
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
 #include "tests/synthetic/stereo_world.hpp"
+#include "worker/odometry/motion_by_vision.hpp"
 
 namespace divemesh::odometry {
 namespace {
@@ -45,12 +46,12 @@ types::ImuAlignment alignment_found(const Eigen::Vector3d& landmark_error) {
             pair.p_previous = askew * pair.p_previous;
             pair.previous_px = types::project_px(rig, pair.p_previous);
         }
-        aligner.watch(rig,
-                      measured,
-                      vision,
-                      std::int64_t{100'000'000} * (k - 1),
-                      std::int64_t{100'000'000} * k,
-                      inertial);
+        const auto motion = motion_by_vision(rig,
+                                             measured,
+                                             vision,
+                                             std::int64_t{100'000'000} * (k - 1),
+                                             std::int64_t{100'000'000} * k);
+        if (motion) aligner.watch(*motion, inertial);
         before = now;
     }
     return aligner.alignment();

@@ -1,0 +1,128 @@
+#include "worker/imu/sensor_watch.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/synthetic/inertial_motion.hpp"
+#include "tests/synthetic/sensor_recording.hpp"
+
+namespace divemesh::imu {
+namespace {
+
+constexpr int kNumFrames = 400;  // 40 s at 10 Hz
+
+// Returns a rig that sways about all axes.
+Eigen::Isometry3d T_world_body(double t_s) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() =
+        (base::rotation_from_vector({0.2 * std::sin(0.9 * t_s) + 0.1 * std::sin(2.1 * t_s), 0, 0}) *
+         base::rotation_from_vector({0, 0.2 * std::sin(0.7 * t_s), 0.1 * t_s}))
+            .toRotationMatrix();
+    pose.translation() << 0.2 * t_s, 0.1 * std::sin(0.5 * t_s), 0.0;
+    return pose;
+}
+
+// A dive whose IMU readings `wrong` changes.
+template <typename Wrong>
+synthetic::SensorRecording dive(const Wrong& wrong) {
+    synthetic::SensorRecording recording;
+    recording.its_rig.imu_noise = types::ImuNoise{};
+    recording.its_imu = synthetic::imu_along(T_world_body, -1.5, 0.1 * kNumFrames + 1.5, {});
+    for (types::ImuSample& sample : recording.its_imu) wrong(sample);
+    return recording;
+}
+
+// The watch after the dive, and how many frames it took until it asked for a restart.
+struct Watched {
+    SensorWatch watch;
+    int num_frames = 0;
+};
+
+Watched watched(const types::Recording& recording, const SensorPlan& plan = {}, int lost_at = -1) {
+    InertialPrior inertial(recording, preset_options("standard"), plan.left_out);
+    Watched result{SensorWatch(recording, true, plan)};
+    for (int k = 1; k <= kNumFrames && !result.watch.restart(); ++k) {
+        result.num_frames = k;
+        if (lost_at <= k && k < lost_at + 4) {
+            result.watch.lost_scene();
+            continue;
+        }
+        const double from_s = 0.1 * (k - 1);
+        const double to_s = 0.1 * k;
+        result.watch.watch({std::llround(1e9 * from_s),
+                            std::llround(1e9 * to_s),
+                            T_world_body(from_s).inverse() * T_world_body(to_s)},
+                           inertial);
+    }
+    return result;
+}
+
+void as_measured(types::ImuSample&) {}
+void mirrored(types::ImuSample& sample) {
+    sample.angular_velocity_imu.z() *= -1.0;
+    sample.acceleration_imu.z() *= -1.0;
+}
+
+TEST(SensorWatchTest, AGoodImuStaysInUse) {
+    const Watched seen = watched(dive(as_measured));
+    EXPECT_FALSE(seen.watch.restart());
+    EXPECT_FALSE(seen.watch.restart_at_end());
+}
+
+TEST(SensorWatchTest, AMirroredImuIsLeftOutWithinSeconds) {
+    const Watched seen = watched(dive(mirrored));
+    ASSERT_TRUE(seen.watch.restart());
+    EXPECT_TRUE(seen.watch.restart()->left_out.imu);
+    EXPECT_EQ(seen.watch.restart()->gyroscope.axes, "z");
+    EXPECT_LT(seen.num_frames, 150);
+}
+
+TEST(SensorWatchTest, AClockThatIsOffIsShifted) {
+    const Watched seen =
+        watched(dive([](types::ImuSample& sample) { sample.timestamp_ns += 400'000'000; }));
+    ASSERT_TRUE(seen.watch.restart());
+    EXPECT_FALSE(seen.watch.restart()->left_out.imu);
+    EXPECT_NEAR(seen.watch.restart()->time_offset_s, 0.4, 0.01);
+}
+
+TEST(SensorWatchTest, AnAccelerometerWithOtherAxesIsLeftOutAndTheGyroscopeStays) {
+    const Watched seen = watched(dive([](types::ImuSample& sample) {
+        std::swap(sample.acceleration_imu.x(), sample.acceleration_imu.y());
+    }));
+    ASSERT_TRUE(seen.watch.restart());
+    EXPECT_TRUE(seen.watch.restart()->left_out.accelerometer);
+    EXPECT_FALSE(seen.watch.restart()->left_out.imu);
+}
+
+TEST(SensorWatchTest, ALossBeforeTheImuIsConfirmedPutsItOnProbation) {
+    const synthetic::SensorRecording recording = dive(as_measured);
+    const Watched lost = watched(recording, {}, 20);
+    ASSERT_TRUE(lost.watch.restart());
+    EXPECT_TRUE(lost.watch.restart()->imu_on_probation);
+    // It fits, so it is used again, and a loss at the same place is not its fault.
+    const Watched probed = watched(recording, *lost.watch.restart(), 20);
+    ASSERT_TRUE(probed.watch.restart());
+    EXPECT_FALSE(probed.watch.restart()->left_out.imu);
+    EXPECT_FALSE(watched(recording, *probed.watch.restart(), 20).watch.restart());
+}
+
+TEST(SensorWatchTest, AnImuThatFailsInTheMiddleIsLeftOutForThatTime) {
+    const auto fails = [](types::ImuSample& sample) {
+        if (sample.timestamp_ns > 15'000'000'000 && sample.timestamp_ns < 25'000'000'000)
+            mirrored(sample);
+    };
+    const Watched seen = watched(dive(fails));
+    EXPECT_FALSE(seen.watch.restart());
+    const auto plan = seen.watch.restart_at_end();
+    ASSERT_TRUE(plan);
+    ASSERT_EQ(plan->left_out.imu_times.size(), 1U);
+    const types::TimeInterval time = plan->left_out.imu_times[0];
+    EXPECT_LT(time.from_ns, 15'000'000'000);
+    EXPECT_GT(time.from_ns, 8'000'000'000);
+    EXPECT_GT(time.to_ns, 25'000'000'000);
+    EXPECT_LT(time.to_ns, 40'000'000'000);
+}
+
+}  // namespace
+}  // namespace divemesh::imu

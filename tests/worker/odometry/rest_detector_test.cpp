@@ -1,0 +1,68 @@
+#include "worker/odometry/rest_detector.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/synthetic/stereo_world.hpp"
+
+namespace divemesh::odometry {
+namespace {
+
+constexpr double kNoise_px = 0.1;
+
+// A rig that sees a wall at 10 Hz while it moves.
+struct Watched {
+    int num_rests = 0;
+    double worst_m = 0.0;  // distance of a rest from the true position
+};
+
+template <typename Motion>
+Watched watch(int num_frames, const Motion& T_world_cam) {
+    synthetic::World world(2.0, 0.0, 7);
+    RestDetector detector(synthetic::rig());
+    Watched result;
+    for (int k = 0; k < num_frames; ++k) {
+        const Eigen::Isometry3d pose = T_world_cam(0.1 * k);
+        const auto rest =
+            detector.watch(std::int64_t{100'000'000} * k, world.see(pose, k, kNoise_px), pose);
+        if (!rest) continue;
+        ++result.num_rests;
+        result.worst_m =
+            std::max(result.worst_m, (rest->translation() - pose.translation()).norm());
+    }
+    return result;
+}
+
+Eigen::Isometry3d at(const Eigen::Vector3d& position) {
+    return Eigen::Isometry3d(Eigen::Translation3d(position));
+}
+
+TEST(RestDetectorTest, ARigThatStandsStillRestsAfterASecond) {
+    const Watched watched = watch(100, [](double) { return at({1.0, 0.0, 0.0}); });
+    EXPECT_GE(watched.num_rests, 75);
+    EXPECT_LT(watched.worst_m, 1e-12);
+}
+
+TEST(RestDetectorTest, ARigThatSinksSlowlyDoesNotRest) {
+    const Watched watched = watch(100, [](double t_s) {
+        return at({1.0, 0.005 * t_s, 0.0});
+    });  // 5 mm/s
+    EXPECT_EQ(watched.num_rests, 0);
+}
+
+TEST(RestDetectorTest, ARigThatTurnsOnTheSpotDoesNotRest) {
+    const Watched watched = watch(60, [](double t_s) {
+        Eigen::Isometry3d pose = at({1.0, 0.0, 0.0});
+        pose.linear() = base::rotation_from_vector({0.0, 0.0, 0.01 * t_s}).toRotationMatrix();
+        return pose;
+    });
+    EXPECT_EQ(watched.num_rests, 0);
+}
+
+TEST(RestDetectorTest, ARestNeverHidesMoreThanTheNoiseOfOnePose) {
+    // A quarter of a millimetre a second: seen as rest for some time, then anew from where it is.
+    const Watched watched = watch(300, [](double t_s) { return at({1.0, 0.00025 * t_s, 0.0}); });
+    EXPECT_LT(watched.worst_m, 1.5e-3);
+}
+
+}  // namespace
+}  // namespace divemesh::odometry

@@ -1,0 +1,77 @@
+#include "worker/odometry/rest_detector.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "worker/base/rotation_vector.hpp"
+#include "worker/odometry/refine_pose.hpp"
+#include "worker/stats/median.hpp"
+
+namespace divemesh::odometry {
+namespace {
+
+constexpr std::int64_t kMinRest_ns = 1'000'000'000;
+constexpr std::size_t kMinNumPairs = 30;
+// Median shift that no noise explains; larger ones need no test.
+constexpr double kMoved_px = 0.5;
+// 99 % of a chi-squared variable with six degrees of freedom.
+constexpr double kMaxChiSquared = 16.8;
+// Of the features' noise as usually assumed. The noise of features that stay in place is measured;
+// below this share the errors that they have in common, of light and compression, prevail.
+constexpr double kMinNoise = 0.2;
+constexpr double kMadOfNormal = 0.6745;
+
+double median_shift_px(const PointPairs& pairs) {
+    std::vector<double> shifts_px;
+    for (const PointPair& pair : pairs)
+        shifts_px.push_back((pair.current_px - pair.previous_px).head<2>().norm());
+    return stats::upper_median(std::move(shifts_px));
+}
+
+// Returns the noise of a pixel difference after the motion, in sigmas as assumed.
+double noise_of(const types::RectifiedRig& rig,
+                const PointPairs& pairs,
+                const Eigen::Isometry3d& T_current_previous) {
+    std::vector<double> errors;
+    for (const PointPair& pair : pairs) {
+        const Eigen::Vector3d error =
+            types::project_px(rig, T_current_previous * pair.p_previous) - pair.current_px;
+        for (int axis = 0; axis < 2; ++axis)
+            errors.push_back(std::abs(error[axis]) /
+                             (std::sqrt(2.0) * types::kFeatureSigma_px[axis]));
+    }
+    return std::max(kMinNoise, stats::upper_median(std::move(errors)) / kMadOfNormal);
+}
+
+}  // namespace
+
+std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
+                                                     const types::Features& features,
+                                                     const Eigen::Isometry3d& T_world_cam) {
+    if (anchor_.empty() || !stands_still(features)) {
+        anchor_ = features;
+        anchor_ns_ = now_ns;
+        T_world_anchor_ = T_world_cam;
+        return std::nullopt;
+    }
+    if (now_ns - anchor_ns_ < kMinRest_ns) return std::nullopt;
+    return T_world_anchor_;
+}
+
+bool RestDetector::stands_still(const types::Features& features) const {
+    const PointPairs pairs = with_depth_at_both_times(rig_, anchor_, features);
+    if (pairs.size() < kMinNumPairs || median_shift_px(pairs) > kMoved_px) return false;
+    const Eigen::Isometry3d moved =
+        refine_pose(rig_, pairs, {Eigen::Isometry3d::Identity(), std::nullopt, 0.0})
+            .T_current_previous;
+    Eigen::Matrix<double, 6, 1> motion;
+    motion << base::vector_from_rotation(Eigen::Quaterniond(moved.linear())), moved.translation();
+    const double noise = noise_of(rig_, pairs, moved);
+    const double chi_squared =
+        motion.dot(motion_covariance(rig_, pairs, moved).ldlt().solve(motion)) / (noise * noise);
+    return chi_squared < kMaxChiSquared;
+}
+
+}  // namespace divemesh::odometry
