@@ -34,6 +34,7 @@ struct Options {
     fs::path table;
     fs::path plot;
     bool quick = false;
+    bool sift = true;
     int width_px = 320;
     std::vector<std::string> axes;  // empty: all
 };
@@ -75,6 +76,7 @@ json edge(const EnvelopeAxis& axis, const json& runs) {
 
 json report(const Options& options, const fs::path& results) {
     EnvelopeScale scale = options.quick ? quick_envelope() : whole_envelope();
+    scale.sift = options.sift;
     scale.width_px = options.width_px;
     scale.height_px = 3 * options.width_px / 4;
     EnvelopeRuns runs(options.program, options.cache, results, scale);
@@ -136,6 +138,7 @@ int main(int argc, char** argv) {
         ->required()
         ->take_last();
     app.add_flag("--quick", options.quick, "one scene, one seed, short dives");
+    app.add_flag("!--no-sift", options.sift, "leave out SIFT and PnP");
     app.add_option("--width-px", options.width_px, "of the images, 4 to 3")
         ->capture_default_str()
         ->check(CLI::Range(64, 4096));

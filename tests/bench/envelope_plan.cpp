@@ -64,7 +64,7 @@ EnvelopeAxis rates(const std::string& name, Imu imu) {
 }
 
 EnvelopeAxis overlaps() {
-    EnvelopeAxis axis{.name = "overlap, no IMU"};
+    EnvelopeAxis axis{.name = "overlap without IMU"};
     for (const double overlap : {0.9, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.2})
         axis.steps.push_back(changed(number(100.0 * overlap) + " %", [&](DiveChange& change) {
             change.overlap = overlap;
@@ -89,7 +89,7 @@ EnvelopeAxis imus() {
 }
 
 EnvelopeStep without_imu(EnvelopeStep step) {
-    step.label += ", no IMU";
+    step.label += " without IMU";
     step.change.imu = Imu::None;
     return step;
 }
@@ -138,7 +138,7 @@ EnvelopeAxis blue_water(const std::string& name, double at_share) {
 const std::vector<EnvelopeAxis>& envelope_axes() {
     static const std::vector<EnvelopeAxis> axes = {
         rates("rate", Imu::AsIs),
-        rates("rate, no IMU", Imu::None),
+        rates("rate without IMU", Imu::None),
         overlaps(),
         rendered_axis("turning", "--swing", {20, 40, 60, 90, 120, 180}, " deg/s"),
         changed_axis("calibration error", &DiveChange::calibration_error, {0, 0.5, 1, 2, 4}, " x"),

@@ -30,6 +30,7 @@ struct EnvelopeScale {
     std::vector<int> seeds;
     double plain_length_m = 8.0;  // of the dives that steps alter
     double length_m = 4.0;        // of those that are rendered for a step
+    bool sift = true;             // the baseline beside it
     int width_px = 320;
     int height_px = 240;
 };

@@ -147,7 +147,8 @@ EnvelopeRuns::EnvelopeRuns(fs::path program,
 
 json EnvelopeRuns::measured(const EnvelopeRun& run) {
     const std::string name = run.name() + "-" + size();
-    if (auto kept = kept_.find(name)) return *kept;
+    const auto kept = kept_.find(name);
+    if (kept && (!scale_.sift || kept->contains("sift"))) return *kept;
     const json result = measure(run);
     kept_.keep(name, result);
     return result;
@@ -171,7 +172,7 @@ json EnvelopeRuns::measure(const EnvelopeRun& run) {
     const auto opened = dive::Dive::open(dive, folder / "scratch");
     result["path_m"] = path_length_m(opened->ground_truth());
     if (!run.step.rendered.empty()) result["moving_share"] = moving_share(sources.dive);
-    result["sift"] = sift(run, dive);
+    if (scale_.sift) result["sift"] = sift(run, dive);
     return result;
 }
 

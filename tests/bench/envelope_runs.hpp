@@ -30,8 +30,8 @@ public:
                  const std::filesystem::path& results,
                  EnvelopeScale scale);
 
-    // Returns what envelope_judge.hpp describes, and of SIFT and PnP as `sift`: linked_share,
-    // ate_m, scale. Throws std::runtime_error if the dive cannot be rendered.
+    // Returns what envelope_judge.hpp describes, and of SIFT and PnP, if asked, as `sift`:
+    // linked_share, ate_m, scale. Throws std::runtime_error if the dive cannot be rendered.
     nlohmann::json measured(const EnvelopeRun& run);
 
 private:

@@ -70,10 +70,14 @@ json summarise_step(const json& runs) {
         if (!run["scale"].is_number()) return nullptr;
         return 100.0 * std::abs(run["scale"].get<double>() - 1.0);
     });
-    row["sift_unlinked_share"] = spread(
-        runs, [](const json& run) { return 1.0 - run["sift"]["linked_share"].get<double>(); });
-    row["sift_ate_percent"] =
-        spread(runs, [](const json& run) { return percent_of_path(run, run["sift"]["ate_m"]); });
+    row["sift_unlinked_share"] = spread(runs, [](const json& run) -> json {
+        if (!run.contains("sift")) return nullptr;
+        return 1.0 - run["sift"]["linked_share"].get<double>();
+    });
+    row["sift_ate_percent"] = spread(runs, [](const json& run) -> json {
+        if (!run.contains("sift")) return nullptr;
+        return percent_of_path(run, run["sift"]["ate_m"]);
+    });
     row["moving_share"] =
         spread(runs, [](const json& run) { return run.value("moving_share", json()); });
     row["verdicts"] = counted(runs, "verdict");

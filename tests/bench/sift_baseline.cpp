@@ -9,7 +9,7 @@
 namespace divemesh::bench {
 namespace {
 
-constexpr int kNumFeatures = 2000;
+constexpr int kNumFeatures = 1000;
 constexpr int kOctaveLayers = 3;
 constexpr double kContrast = 0.02;       // as COLMAP's; OpenCV's own is too high for hazy water
 constexpr float kRatio = 0.8F;           // Lowe 2004
