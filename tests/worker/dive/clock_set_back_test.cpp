@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdlib>
+
 #include "tests/worker/dive/finding_matcher.hpp"
 #include "worker/dive/frame_list.hpp"
 
@@ -48,7 +50,7 @@ TEST(UndoSetBacksTest, AllTablesMoveByTheSameTimeAndKeepTheirOrder) {
     EXPECT_THAT(log.all(),
                 HasFinding(Severity::Warning, "clock_set_back", "2.000 s before row 40"));
     for (std::size_t row = 1; row < cam.size(); ++row)
-        EXPECT_NEAR(cam[row] - cam[row - 1], kSecond_ns / 10, 5'000'001) << row;
+        EXPECT_LE(std::abs(cam[row] - cam[row - 1] - kSecond_ns / 10), 5'000'000) << row;
     for (std::size_t row = 1; row < imu.size(); ++row) EXPECT_GT(imu[row], imu[row - 1]) << row;
     EXPECT_EQ(cam[59] - imu[1199],
               5 * kSecond_ns + 59 * kSecond_ns / 10 -
