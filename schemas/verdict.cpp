@@ -95,6 +95,7 @@ std::string_view restriction_of(const Finding& finding) {
 }
 
 std::vector<std::string_view> restrictions_of(const std::vector<Finding>& findings) {
+    if (has_error(findings)) return {"all"};
     std::vector<std::string_view> result;
     for (const Finding& finding : findings) {
         const std::string_view restricts = restriction_of(finding);

@@ -26,7 +26,8 @@ Verdict verdict_on(const std::vector<Finding>& findings);
 
 std::optional<Finding> first_error(const std::vector<Finding>& findings);
 
-// Returns what the findings restrict, each once, in the order of the findings.
+// Returns what the findings restrict, each once, in the order of the findings; "all" alone with an
+// error among them.
 std::vector<std::string_view> restrictions_of(const std::vector<Finding>& findings);
 
 }  // namespace divemesh

@@ -37,6 +37,7 @@ TEST(VerdictTest, AnErrorLeavesNothingToUse) {
     const std::vector<Finding> findings = {finding(Severity::Warning, "tracking_lost"),
                                            finding(Severity::Error, "no_surface")};
     EXPECT_EQ(verdict_on(findings), Verdict::NotUsable);
+    EXPECT_EQ(restrictions_of(findings), (std::vector<std::string_view>{"all"}));
     EXPECT_EQ(first_error(findings)->code, "no_surface");
 }
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <string>
 #include <utility>
 
 #include "worker/base/text.hpp"
 #include "worker/pipeline/measured_poses.hpp"
-#include "worker/stats/median.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -43,6 +43,12 @@ struct Loss {
     double duration_s = 0.0;         // without a measured motion
 };
 
+double upper_median(std::vector<double> values) {
+    const auto middle = values.begin() + std::ssize(values) / 2;
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
 bool is_shorter(const Loss& a, const Loss& b) { return a.duration_s < b.duration_s; }
 
 std::vector<Loss> losses_of(const types::Track& track, const std::vector<bool>& measured) {
@@ -65,7 +71,7 @@ double median_period_s(const types::Track& track) {
     for (std::size_t i = 1; i < track.odometry.size(); ++i)
         periods_s.push_back(
             seconds(track.odometry[i].timestamp_ns - track.odometry[i - 1].timestamp_ns));
-    return stats::upper_median(std::move(periods_s));
+    return upper_median(std::move(periods_s));
 }
 
 // Returns which share of an image the next one would see, by the motion that was expected and the
@@ -98,7 +104,7 @@ double median_count(const types::Track& track,
     std::vector<double> counts;
     for (std::size_t i = loss.first; i <= loss.last; ++i)
         counts.push_back(static_cast<double>(track.features[i].*count));
-    return stats::upper_median(std::move(counts));
+    return upper_median(std::move(counts));
 }
 
 struct Cause {

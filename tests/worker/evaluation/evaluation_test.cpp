@@ -20,7 +20,7 @@ protected:
     }
     Evaluation evaluate(const types::Trajectory& truth) const {
         return evaluate_reconstruction(
-            {rig_, trajectory_, trajectory_, {}, {}, &mesh_, truth, known_, reference_});
+            {rig_, trajectory_, trajectory_, {}, {}, {}, &mesh_, truth, known_, reference_});
     }
 
     types::Rig rig_;
@@ -60,7 +60,7 @@ TEST_F(EvaluationTest, TruthOfAnotherTimeIsAFindingAndNotAFailure) {
 TEST_F(EvaluationTest, WithoutASurfaceAllElseIsMeasured) {
     reference_ = mesh_;
     const Evaluation evaluation = evaluate_reconstruction(
-        {rig_, trajectory_, trajectory_, {}, {}, nullptr, trajectory_, known_, reference_});
+        {rig_, trajectory_, trajectory_, {}, {}, {}, nullptr, trajectory_, known_, reference_});
     EXPECT_TRUE(evaluation.trajectory && evaluation.causal && evaluation.known_distances);
     EXPECT_FALSE(evaluation.surface.has_value());
     EXPECT_TRUE(evaluation.findings.empty());

@@ -8,9 +8,9 @@ namespace {
 Eigen::Isometry3d at(double x_m) { return Eigen::Isometry3d(Eigen::Translation3d(x_m, 0.0, 0.0)); }
 
 // Nine frames, by the odometry 0.1 m apart; keyframes 0 and 8 lie 1 m apart, not 0.8 m.
-class FollowKeyframesTest : public testing::Test {
+class FollowOverBreaksTest : public testing::Test {
 protected:
-    FollowKeyframesTest() {
+    FollowOverBreaksTest() {
         for (int i = 0; i < 9; ++i) odometry_.push_back({10 * i, at(0.1 * i)});
         keyframes_ = {{0, 0, at(0.0), 0}, {8, 80, at(1.0), 0}};
     }
@@ -25,19 +25,19 @@ protected:
     std::vector<types::Keyframe> keyframes_;
 };
 
-TEST_F(FollowKeyframesTest, WithoutABreakTheErrorIsDistributedByTime) {
+TEST_F(FollowOverBreaksTest, WithoutABreakTheErrorIsDistributedByTime) {
     EXPECT_NEAR(x_m(4, {}), 0.5, 1e-12);
     EXPECT_NEAR(x_m(2, {}), 0.25, 1e-12);
 }
 
-TEST_F(FollowKeyframesTest, WithABreakTheErrorLiesThere) {
+TEST_F(FollowOverBreaksTest, WithABreakTheErrorLiesThere) {
     const types::Breaks breaks_ns = {40, 50};
     EXPECT_NEAR(x_m(3, breaks_ns), 0.3, 1e-12);  // tied to the first keyframe
     EXPECT_NEAR(x_m(5, breaks_ns), 0.7, 1e-12);  // tied to the second
     EXPECT_NEAR(x_m(7, breaks_ns), 0.9, 1e-12);
 }
 
-TEST_F(FollowKeyframesTest, AfterABreakFramesBelongToTheNextSegment) {
+TEST_F(FollowOverBreaksTest, AfterABreakFramesBelongToTheNextSegment) {
     keyframes_[1].segment = 1;
     keyframes_[1].T_world_cam = at(50.0);
     const types::Breaks breaks_ns = {60};
@@ -45,7 +45,7 @@ TEST_F(FollowKeyframesTest, AfterABreakFramesBelongToTheNextSegment) {
     EXPECT_NEAR(x_m(6, breaks_ns), 49.8, 1e-12);
 }
 
-TEST_F(FollowKeyframesTest, FramesBeforeTheFirstKeyframeFollowItBackwards) {
+TEST_F(FollowOverBreaksTest, FramesBeforeTheFirstKeyframeFollowItBackwards) {
     keyframes_ = {{3, 30, at(2.0), 0}};
     EXPECT_NEAR(x_m(0, {}), 1.7, 1e-12);
     EXPECT_NEAR(x_m(8, {}), 2.5, 1e-12);

@@ -145,7 +145,7 @@ TEST_F(ReconstructDiveTest, ADiveThatCannotBeTrackedKeepsWhatIsKnownAndIsNotUsab
 TEST_F(ReconstructDiveTest, ADiveThatIsRefusedTellsItsFindingsFirst) {
     fs::remove(folder_ / "dive/mav0/cam1/sensor.yaml");
     std::vector<Finding> told;
-    auto refused = request("refused", {});
+    auto refused = request("refused", nlohmann::json::object());
     refused.dive_checked = [&](const std::vector<Finding>& findings) { told = findings; };
     EXPECT_THROW(reconstruct_dive(refused, base::ignore_progress), Error);
     EXPECT_TRUE(has_error(told));
