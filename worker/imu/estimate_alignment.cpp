@@ -62,13 +62,13 @@ public:
     // Returns the energy of the gyroscope's rotations about their mean over that of the residuals.
     double signal_to_noise(const State& state) const {
         Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-        for (const Turn& turn : turns_)
-            mean += gyroscope(turn, state.offset_s) / static_cast<double>(turns_.size());
+        for (const TimedRotation& rotation : rotations_)
+            mean += gyroscope(rotation, state.offset_s) / static_cast<double>(rotations_.size());
         double signal = 0.0;
-        for (const Turn& turn : turns_)
-            signal += (gyroscope(turn, state.offset_s) - mean).squaredNorm();
+        for (const TimedRotation& rotation : rotations_)
+            signal += (gyroscope(rotation, state.offset_s) - mean).squaredNorm();
         const double sigma = scale(state);
-        return signal / (3.0 * sigma * sigma * static_cast<double>(turns_.size()));
+        return signal / (3.0 * sigma * sigma * static_cast<double>(rotations_.size()));
     }
 
     // Does one Gauss-Newton step and returns the covariance. The time offset changes only if
