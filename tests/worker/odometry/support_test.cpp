@@ -43,9 +43,22 @@ TEST(SupportTest, AFewFeaturesConfirmThePrediction) {
     EXPECT_FALSE(supported(motion_of(5), motion.T_current_previous));
 }
 
+TEST(SupportTest, ChanceExplainsFewPairsThatAgreeOnAnUnexpectedMotion) {
+    const types::RectifiedRig rig = synthetic::rig();
+    const Eigen::Isometry3d at_rest = Eigen::Isometry3d::Identity();
+    EXPECT_TRUE(explained_by_chance(rig, motion_of(9), at_rest));
+    EXPECT_TRUE(explained_by_chance(rig, motion_of(20, 30), at_rest));
+    EXPECT_FALSE(explained_by_chance(rig, motion_of(20), at_rest));
+    EXPECT_FALSE(explained_by_chance(rig, motion_of(9), motion_of(9).T_current_previous));
+}
+
+TEST(SupportTest, WhatMovesByItselfDoesNotSpeakAgainstThePrediction) {
+    const Registration motion = motion_of(30, 100);
+    EXPECT_TRUE(supported(motion, motion.T_current_previous));
+}
+
 TEST(SupportTest, PairsThatDisagreeOrFeaturesInOneCornerDoNotSupport) {
-    const Registration motion = motion_of(100, 100);
-    EXPECT_FALSE(supported(motion, motion.T_current_previous));
+    EXPECT_FALSE(supported(motion_of(100, 100), Eigen::Isometry3d::Identity()));
     Registration corner = motion_of(100);
     for (PointPair& pair : corner.inliers) pair.current_px.head<2>() *= 0.2;
     EXPECT_FALSE(supported(corner, Eigen::Isometry3d::Identity()));
