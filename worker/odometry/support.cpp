@@ -13,10 +13,16 @@ constexpr std::size_t kMinSupport = 20;
 constexpr std::size_t kMinSupportNearPrediction = 10;
 constexpr double kMinShareOfPrevious = 0.4;
 constexpr double kMinShareOfPairs = 0.7;
+constexpr std::size_t kMinUnexpected = 12;
+constexpr double kMinUnexpectedShare = 0.5;  // of the pairs
 constexpr double kNearPrediction_px = 4.0;
 constexpr int kCellColumns = 8;
 constexpr int kCellRows = 6;
 constexpr std::size_t kMinCells = 6;  // cells of the image with an inlier
+
+double share(std::size_t part, std::size_t whole) {
+    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 1.0;
+}
 
 // Returns the median distance of the pairs from where the motion predicts them, in the left image.
 double median_error_px(const types::RectifiedRig& rig,
@@ -44,14 +50,20 @@ bool well_supported(const types::RectifiedRig& rig,
                     const Registration& motion,
                     std::size_t num_previous,
                     const Eigen::Isometry3d& expected) {
-    const auto num = static_cast<double>(motion.inliers.size());
-    if (!motion.found || num < kMinShareOfPairs * static_cast<double>(motion.num_pairs) ||
-        num_cells(rig, motion.inliers) < kMinCells)
-        return false;
+    const std::size_t num = motion.inliers.size();
+    if (!motion.found || num_cells(rig, motion.inliers) < kMinCells) return false;
+    const bool most_agree = share(num, motion.num_pairs) >= kMinShareOfPairs;
     if (median_error_px(rig, motion.inliers, expected) < kNearPrediction_px)
-        return motion.inliers.size() >= kMinSupportNearPrediction;
-    return motion.inliers.size() >= kMinSupport &&
-           num >= kMinShareOfPrevious * static_cast<double>(num_previous);
+        return num >= kMinSupport || (num >= kMinSupportNearPrediction && most_agree);
+    return num >= kMinSupport && most_agree && share(num, num_previous) >= kMinShareOfPrevious;
+}
+
+bool explained_by_chance(const types::RectifiedRig& rig,
+                         const Registration& motion,
+                         const Eigen::Isometry3d& expected) {
+    if (median_error_px(rig, motion.inliers, expected) < kNearPrediction_px) return false;
+    return motion.inliers.size() < kMinUnexpected ||
+           share(motion.inliers.size(), motion.num_pairs) < kMinUnexpectedShare;
 }
 
 }  // namespace divemesh::odometry

@@ -12,13 +12,19 @@ namespace divemesh::odometry {
 std::size_t num_cells(const types::RectifiedRig& rig, const PointPairs& pairs);
 
 // Returns true if a motion found by tracking from the prediction `expected` needs no confirmation:
-// enough inliers, a large share of the pairs, spread over the image. Also, it holds for a good part
-// of the `num_previous` features that the previous frame had with depth, or it is the predicted
-// motion within some pixels. Features that moved farther may have been taken for their neighbours
-// where the texture repeats, all in the same way.
+// its inliers are spread over the image, and they are enough if it is the predicted motion within
+// some pixels. Another motion must hold for most pairs and for a good part of the `num_previous`
+// features that the previous frame had with depth: features that moved farther may have been taken
+// for their neighbours where the texture repeats, all in the same way.
 bool well_supported(const types::RectifiedRig& rig,
                     const Registration& motion,
                     std::size_t num_previous,
                     const Eigen::Isometry3d& expected);
+
+// Returns true if a motion is not the predicted one, and so few pairs agree on it, or so small a
+// share, that chance explains it.
+bool explained_by_chance(const types::RectifiedRig& rig,
+                         const Registration& motion,
+                         const Eigen::Isometry3d& expected);
 
 }  // namespace divemesh::odometry

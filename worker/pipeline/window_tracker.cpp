@@ -142,6 +142,8 @@ WindowTracker::Observed WindowTracker::recover(const types::RectifiedFrame& fram
     };
     if (auto followed = follow_wide(frame, {expected, rotation}))
         if (better(*followed, predicted)) return std::move(*followed);
+    if (predicted.vision.found && odometry::explained_by_chance(rig_, predicted.vision, expected))
+        predicted.vision.found = false;
     if (!predicted.vision.found)
         if (auto recognised = recognise(frame, rotation, expected)) return std::move(*recognised);
     return predicted;

@@ -1,0 +1,68 @@
+#include "worker/odometry/support.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/synthetic/stereo_world.hpp"
+
+namespace divemesh::odometry {
+namespace {
+
+constexpr std::size_t kNumPrevious = 200;
+
+// A motion with so many inliers, spread over the image, that moved by 40 px.
+Registration motion_of(std::size_t num_inliers, std::size_t num_outliers = 0) {
+    const types::RectifiedRig rig = synthetic::rig();
+    Registration motion;
+    motion.found = true;
+    motion.num_pairs = num_inliers + num_outliers;
+    motion.T_current_previous.translation().x() = 40.0 * 2.0 / rig.focal_px;
+    for (std::size_t i = 0; i < num_inliers; ++i) {
+        PointPair pair;
+        pair.p_previous = rig.point_cam(20.0 + static_cast<double>(i * 97 % 560),
+                                        20.0 + static_cast<double>(i * 61 % 440),
+                                        2.0);
+        pair.current_px = types::project_px(rig, motion.T_current_previous * pair.p_previous);
+        motion.inliers.push_back(pair);
+    }
+    return motion;
+}
+
+bool supported(const Registration& motion, const Eigen::Isometry3d& expected) {
+    return well_supported(synthetic::rig(), motion, kNumPrevious, expected);
+}
+
+TEST(SupportTest, AnUnexpectedMotionNeedsAGoodPartOfTheFeatures) {
+    const Eigen::Isometry3d at_rest = Eigen::Isometry3d::Identity();
+    EXPECT_TRUE(supported(motion_of(100), at_rest));
+    EXPECT_FALSE(supported(motion_of(50), at_rest));
+}
+
+TEST(SupportTest, AFewFeaturesConfirmThePrediction) {
+    const Registration motion = motion_of(15);
+    EXPECT_TRUE(supported(motion, motion.T_current_previous));
+    EXPECT_FALSE(supported(motion_of(5), motion.T_current_previous));
+}
+
+TEST(SupportTest, ChanceExplainsFewPairsThatAgreeOnAnUnexpectedMotion) {
+    const types::RectifiedRig rig = synthetic::rig();
+    const Eigen::Isometry3d at_rest = Eigen::Isometry3d::Identity();
+    EXPECT_TRUE(explained_by_chance(rig, motion_of(9), at_rest));
+    EXPECT_TRUE(explained_by_chance(rig, motion_of(20, 30), at_rest));
+    EXPECT_FALSE(explained_by_chance(rig, motion_of(20), at_rest));
+    EXPECT_FALSE(explained_by_chance(rig, motion_of(9), motion_of(9).T_current_previous));
+}
+
+TEST(SupportTest, WhatMovesByItselfDoesNotSpeakAgainstThePrediction) {
+    const Registration motion = motion_of(30, 100);
+    EXPECT_TRUE(supported(motion, motion.T_current_previous));
+}
+
+TEST(SupportTest, PairsThatDisagreeOrFeaturesInOneCornerDoNotSupport) {
+    EXPECT_FALSE(supported(motion_of(100, 100), Eigen::Isometry3d::Identity()));
+    Registration corner = motion_of(100);
+    for (PointPair& pair : corner.inliers) pair.current_px.head<2>() *= 0.2;
+    EXPECT_FALSE(supported(corner, Eigen::Isometry3d::Identity()));
+}
+
+}  // namespace
+}  // namespace divemesh::odometry
