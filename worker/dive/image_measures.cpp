@@ -14,8 +14,9 @@ namespace {
 constexpr int kWidth_px = 640;
 constexpr int kCell_px = 32;
 constexpr int kMosaicBlock_px = 16;
-constexpr double kMinContrast = 0.4;  // grey values; corners with less are lost in 8 bits
-constexpr double kNoiseGain = 0.126;  // of white noise through the band of has_texture()
+constexpr std::size_t kMinBlocks = 100;  // fewer are not enough to average noise out
+constexpr double kMinContrast = 0.4;     // grey values; corners with less are lost in 8 bits
+constexpr double kNoiseGain = 0.126;     // of white noise through the band of has_texture()
 constexpr double kTextureOverNoise = 2.0;
 
 cv::Mat reduced(const cv::Mat& image) {
@@ -109,6 +110,7 @@ double mosaic_contrast(const cv::Mat& image) {
             by_row.push_back(sum[0][0] + sum[0][1] - sum[1][0] - sum[1][1]);
             by_column.push_back(sum[0][0] + sum[1][0] - sum[0][1] - sum[1][1]);
         }
+    if (diagonal.size() < kMinBlocks) return 0.0;
     // Two pixels of a cell against the other two, of 64 cells in a block.
     const double scale = 2.0 * (kMosaicBlock_px / 2) * (kMosaicBlock_px / 2) * mean;
     double contrast = 0.0;
