@@ -13,6 +13,7 @@ namespace {
 
 constexpr int kWidth_px = 640;
 constexpr int kCell_px = 32;
+constexpr std::size_t kMinCells = 20;  // fewer say nothing of the image
 constexpr int kMosaicBlock_px = 16;
 constexpr std::size_t kMinBlocks = 100;  // fewer are not enough to average noise out
 constexpr double kMinContrast = 0.4;     // grey values; corners with less are lost in 8 bits
@@ -121,7 +122,7 @@ double mosaic_contrast(const cv::Mat& image) {
 
 bool has_texture(const cv::Mat& image) {
     const cv::Mat small = reduced(image);
-    if (small.rows < kCell_px || small.cols < kCell_px) return true;
+    if (small.total() < kMinCells * kCell_px * kCell_px) return true;
     const double contrast = median_of_cells(band(small, 1.5), deviation);
     const double noise = kNoiseGain * noise_level(small);
     return contrast > std::max(kMinContrast, kTextureOverNoise * noise);
