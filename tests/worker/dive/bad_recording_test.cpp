@@ -207,6 +207,14 @@ TEST_F(BadRecordingTest, ImagesWithoutAListAreFoundByTheirNames) {
                 HasFinding(Severity::Warning, "image_names_completed", "5 of 5 rows"));
 }
 
+TEST_F(BadRecordingTest, AnAccelerometerWithReversedSignIsTold) {
+    write_imu("0,0,0,0.1,-9.8,0.2");  // up is -y of the cameras
+    EXPECT_THAT(findings(), testing::Not(HasFinding(Severity::Warning, "gravity_upside_down", "")));
+
+    write_imu("0,0,0,-0.1,9.8,-0.2");
+    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "gravity_upside_down", "upside down"));
+}
+
 TEST_F(BadRecordingTest, DepthsWrittenAsNegativeNumbersAreTold) {
     std::string rows;
     for (int i = 0; i < TinyDive::kNumFrames; ++i)
