@@ -53,9 +53,9 @@ private:
     void read_model() {
         if (yaml_.camera_model != "pinhole")
             fail("calibration_model",
-                 "camera_model is '" + printable(yaml_.camera_model) +
-                     "'; only pinhole is supported",
-                 "Calibrate with the pinhole model.");
+                 "camera_model is '" + printable(yaml_.camera_model) + "'; only pinhole is read",
+                 "Calibrate again with the pinhole model: with radial-tangential distortion, or "
+                 "equidistant for a fisheye (Kalibr: --models pinhole-radtan or pinhole-equi).");
     }
 
     void read_resolution() {
@@ -71,6 +71,7 @@ private:
 
     void read_intrinsics() {
         const auto& k = yaml_.intrinsics;
+        if (yaml_.camera_model != "pinhole") return;  // its numbers mean something else
         if (k.size() != 4)
             return fail("calibration_intrinsics",
                         "intrinsics has " + std::to_string(k.size()) + " numbers instead of 4",
@@ -111,9 +112,12 @@ private:
                                           [](double value) { return value != 0.0; });
         if (*model != types::Distortion::None && (k.size() < 4 || has_more))
             return fail("calibration_distortion",
-                        "distortion_coefficients has " + std::to_string(k.size()) +
-                            " numbers, but " + yaml_.distortion_model + " has 4",
-                        "Calibrate with four coefficients (k1 k2 p1 p2, or k1 k2 k3 k4).");
+                        "distortion_coefficients has " + std::to_string(k.size()) + " numbers" +
+                            (k.size() == 8 ? ", those of OpenCV's rational model" : "") + ", but " +
+                            yaml_.distortion_model + " has 4",
+                        "Calibrate again with four coefficients: k1 k2 p1 p2 of radial-tangential, "
+                        "or for wide lenses k1 k2 k3 k4 of equidistant. To leave coefficients out "
+                        "is not enough, as the others depend on them.");
         if (*model != types::Distortion::None)
             std::copy_n(k.begin(), 4, camera_.distortion_coefficients.begin());
     }
@@ -178,7 +182,9 @@ void check_sides(const CalibratedCamera& cam0, const CalibratedCamera& cam1, Fin
             kCam1Yaml,
             "cam1 is to the left of cam0, at " + metres(baseline) +
                 " in cam0's frame: the cameras are swapped or T_BS is inverted",
-            "Make cam0 the left camera, and let T_BS map the sensor's coordinates to the body's.");
+            "If cam0 holds the right images too, rename the folders mav0/cam0 and mav0/cam1 to "
+            "each "
+            "other. If not, T_BS has to map the sensor's coordinates to the body's.");
     if (is_stereo(cam0.T_body_cam * cam1.T_body_cam.inverse()))
         return findings.error(
             "extrinsics_inverted",
@@ -187,6 +193,14 @@ void check_sides(const CalibratedCamera& cam0, const CalibratedCamera& cam1, Fin
                 " in cam0's frame, which is not to its right; with the inverse it would be",
             "Write the inverse of what is there: T_BS maps the sensor's coordinates to the body's "
             "(Kalibr's T_cam_imu is the inverse of T_BS).");
+    if (std::abs(baseline.y()) > 0.7 * baseline.norm())
+        return findings.error(
+            "cameras_not_stereo",
+            kCam1Yaml,
+            "cam1 is at " + metres(baseline) +
+                " in cam0's frame, above or below it: a rig on its side",
+            "Turn the images of both cameras by 90 degrees so that cam1 is to the right of cam0 "
+            "(ffmpeg -vf transpose), and calibrate with the turned images.");
     const double angle_deg = Eigen::AngleAxisd(T_cam0_cam1.linear()).angle() / kDegree;
     findings.error("cameras_not_stereo",
                    kCam1Yaml,

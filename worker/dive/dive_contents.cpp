@@ -4,9 +4,11 @@
 
 #include "worker/base/text.hpp"
 #include "worker/dive/calibration.hpp"
+#include "worker/dive/calibration_format.hpp"
 #include "worker/dive/common_clock.hpp"
 #include "worker/dive/dive_json.hpp"
 #include "worker/dive/entry_name.hpp"
+#include "worker/dive/image_names.hpp"
 #include "worker/dive/sensor_tables.hpp"
 #include "worker/dive/sensor_yaml.hpp"
 
@@ -17,6 +19,13 @@ constexpr std::int64_t kMaxJsonBytes = std::int64_t{16} << 20;
 constexpr std::int64_t kMaxMarkersBytes = std::int64_t{4} << 20;
 constexpr const char* kSensors[] = {
     "cam0", "cam1", "imu0", "ahrs0", "pressure0", "state_groundtruth_estimate0"};
+
+std::size_t count_errors(const FindingLog& findings) {
+    return static_cast<std::size_t>(
+        std::count_if(findings.all().begin(), findings.all().end(), [](const Finding& finding) {
+            return finding.severity == Severity::Error;
+        }));
+}
 
 class ContentsReader {
 public:
@@ -45,6 +54,7 @@ private:
     template <typename Rows>
     void add_clock(const std::string& file, const TableClock& clock, Rows& rows);
     std::optional<CalibratedCamera> read_camera(const std::string& camera);
+    void report_no_calibration(const std::string& file);
     std::optional<SensorYaml> read_yaml(const std::string& file);
     // Returns T_BS of a sensor; its sensor.yaml may be missing.
     Eigen::Isometry3d mounting(const std::string& sensor);
@@ -130,22 +140,28 @@ std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camer
                                                         TableClock& clock) {
     const std::string file = "mav0/" + camera + "/data.csv";
     const auto text = read_text(file, limits_.max_file_bytes);
-    if (!text) {
-        if (!files_.has(file))
-            findings_.error(camera + "_missing",
-                            file,
-                            "there is no " + file +
-                                ": a dive needs a left (cam0) and a right "
-                                "(cam1) camera",
-                            "Put the list of images (timestamp [ns],filename) there.");
-        return {};
-    }
-    auto rows = parse_camera_rows(*text, camera, findings_, &clock);
-    if (rows.empty())
+    const std::size_t num_errors = count_errors(findings_);
+    std::vector<CameraRow> rows;
+    if (text) rows = parse_camera_rows(*text, camera, findings_, &clock);
+    complete_image_names(rows, files_, camera, findings_);
+    if (!rows.empty() || count_errors(findings_) > num_errors) return rows;
+    rows = rows_by_image_names(files_, camera, findings_);
+    if (!rows.empty()) return rows;
+    if (text)
         findings_.error("dive_empty",
                         file,
                         file + " lists no image",
-                        "Check the recorder: it recorded no frames.");
+                        "Check the recorder: it recorded no frames. The list has a row for each "
+                        "image: timestamp [ns],filename.");
+    else if (!files_.has(file))
+        findings_.error(camera + "_missing",
+                        file,
+                        "there is no " + file +
+                            ": a dive needs a left (cam0) and a right "
+                            "(cam1) camera",
+                        "Put the list of images (timestamp [ns],filename) there, or name the "
+                        "images in mav0/" +
+                            camera + "/data by their timestamps in nanoseconds.");
     return rows;
 }
 
@@ -165,13 +181,25 @@ std::optional<SensorYaml> ContentsReader::read_yaml(const std::string& file) {
     return text ? parse_sensor_yaml(*text, file, findings_) : std::nullopt;
 }
 
+// Says how to turn a calibration of another tool that lies beside the recording into sensor.yaml.
+void ContentsReader::report_no_calibration(const std::string& file) {
+    std::string found;
+    std::string remedy = "Calibrate the rig and put the calibration of both cameras there.";
+    for (const char* folder : {"", "mav0/"})
+        for (const std::string& name : files_.names_in(folder)) {
+            if (!found.empty() || !(name.ends_with(".yaml") || name.ends_with(".yml"))) continue;
+            const auto text = files_.read(folder + name, kMaxYamlBytes);
+            const auto foreign = text ? foreign_calibration(*text) : std::nullopt;
+            if (!foreign) continue;
+            found = "; " + printable(folder + name) + " is " + foreign->name;
+            remedy = foreign->remedy;
+        }
+    findings_.error("calibration_missing", file, "there is no " + file + found, remedy);
+}
+
 std::optional<CalibratedCamera> ContentsReader::read_camera(const std::string& camera) {
     const std::string file = "mav0/" + camera + "/sensor.yaml";
-    if (!files_.has(file))
-        findings_.error("calibration_missing",
-                        file,
-                        "there is no " + file,
-                        "Calibrate the rig and put the calibration of both cameras there.");
+    if (!files_.has(file)) report_no_calibration(file);
     const auto yaml = read_yaml(file);
     return yaml ? calibrated_camera(*yaml, file, findings_) : std::nullopt;
 }

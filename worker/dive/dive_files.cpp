@@ -62,6 +62,16 @@ std::vector<std::string> DiveFiles::sensors() const {
     return names;
 }
 
+std::vector<std::string> DiveFiles::names_in(std::string_view folder) const {
+    std::vector<std::string> names;
+    for (const Entry& entry : entries_) {
+        if (!entry.path.starts_with(folder)) continue;
+        const std::string name = entry.path.substr(folder.size());
+        if (name.find('/') == std::string::npos) names.push_back(name);
+    }
+    return names;
+}
+
 std::string DiveFiles::content_sha256(const base::ProgressCallback& progress) const {
     std::int64_t total_bytes = 1;
     for (const Entry& entry : entries_) total_bytes += entry.file->size_bytes;

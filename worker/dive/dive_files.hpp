@@ -23,6 +23,8 @@ public:
     std::optional<std::string> read(std::string_view path, std::int64_t max_bytes) const;
     // Returns the names directly under "mav0/", sorted.
     std::vector<std::string> sensors() const;
+    // Returns the names of the files directly in a folder ("mav0/cam0/data/"), sorted.
+    std::vector<std::string> names_in(std::string_view folder) const;
     // Returns the content hash (see schemas/content_hash.hpp). Reads every file that is not hashed
     // yet.
     std::string content_sha256(const base::ProgressCallback& progress) const;

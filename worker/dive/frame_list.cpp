@@ -68,14 +68,16 @@ std::vector<CameraRow> parse_camera_rows(std::string_view text,
     for_each_csv_row(text, [&](std::int64_t line, std::span<const std::string_view> fields) {
         const auto timestamp = check.accept(line, fields[0]);
         if (!timestamp) return;
-        if (fields.size() < 2 || !entry_name_problem(fields[1]).empty())
-            return check.count_malformed(line);
-        rows.push_back({*timestamp, folder + "data/" + std::string(fields[1])});
+        // Some lists have only timestamps, and images that are named by them.
+        const std::string_view name = fields.size() < 2 ? fields[0] : fields[1];
+        if (!entry_name_problem(name).empty()) return check.count_malformed(line);
+        rows.push_back({*timestamp, folder + "data/" + std::string(name)});
         lines.push_back(line);
     });
     const TableClock found = check.sort(
         rows, lines, [](const CameraRow& a, const CameraRow& b) { return a.file == b.file; });
     if (clock) *clock = found;
+    check.advise(advise_on_table(text, 1));
     check.report(timestamps_of(rows), kMinPeriod_s);
     return rows;
 }

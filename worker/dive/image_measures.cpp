@@ -13,9 +13,11 @@ namespace {
 
 constexpr int kWidth_px = 640;
 constexpr int kCell_px = 32;
+constexpr std::size_t kMinCells = 20;  // fewer say nothing of the image
 constexpr int kMosaicBlock_px = 16;
-constexpr double kMinContrast = 0.4;  // grey values; corners with less are lost in 8 bits
-constexpr double kNoiseGain = 0.126;  // of white noise through the band of has_texture()
+constexpr std::size_t kMinBlocks = 100;  // fewer are not enough to average noise out
+constexpr double kMinContrast = 0.4;     // grey values; corners with less are lost in 8 bits
+constexpr double kNoiseGain = 0.126;     // of white noise through the band of has_texture()
 constexpr double kTextureOverNoise = 2.0;
 
 cv::Mat reduced(const cv::Mat& image) {
@@ -109,6 +111,7 @@ double mosaic_contrast(const cv::Mat& image) {
             by_row.push_back(sum[0][0] + sum[0][1] - sum[1][0] - sum[1][1]);
             by_column.push_back(sum[0][0] + sum[1][0] - sum[0][1] - sum[1][1]);
         }
+    if (diagonal.size() < kMinBlocks) return 0.0;
     // Two pixels of a cell against the other two, of 64 cells in a block.
     const double scale = 2.0 * (kMosaicBlock_px / 2) * (kMosaicBlock_px / 2) * mean;
     double contrast = 0.0;
@@ -119,7 +122,7 @@ double mosaic_contrast(const cv::Mat& image) {
 
 bool has_texture(const cv::Mat& image) {
     const cv::Mat small = reduced(image);
-    if (small.rows < kCell_px || small.cols < kCell_px) return true;
+    if (small.total() < kMinCells * kCell_px * kCell_px) return true;
     const double contrast = median_of_cells(band(small, 1.5), deviation);
     const double noise = kNoiseGain * noise_level(small);
     return contrast > std::max(kMinContrast, kTextureOverNoise * noise);

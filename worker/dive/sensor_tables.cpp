@@ -66,6 +66,7 @@ std::vector<Sample> read_samples(std::string_view text,
     const TableClock found =
         check.sort(samples, lines, [](const Sample& a, const Sample& b) { return is_same(a, b); });
     if (clock) *clock = found;
+    check.advise(advise_on_table(text, N));
     check.report(timestamps_of(samples), kMinPeriod_s);
     return samples;
 }

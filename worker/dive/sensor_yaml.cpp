@@ -7,6 +7,7 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
+#include "worker/dive/calibration_format.hpp"
 #include "worker/dive/entry_name.hpp"
 
 namespace divemesh::dive {
@@ -156,6 +157,13 @@ SensorYaml convert(const YAML::Node& root) {
 std::optional<SensorYaml> parse_sensor_yaml(std::string_view text,
                                             const std::string& file,
                                             FindingLog& findings) {
+    if (const auto foreign = foreign_calibration(text)) {
+        findings.error("calibration_unreadable",
+                       file,
+                       file + " is " + foreign->name + ", not a sensor.yaml",
+                       foreign->remedy);
+        return std::nullopt;
+    }
     try {
         return convert(load_guarded(without_directive(text)));
     } catch (const YAML::Exception& error) {

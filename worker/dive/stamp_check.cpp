@@ -107,8 +107,8 @@ void StampCheck::tell(const Tally& tally,
     findings_.add({too_many ? Severity::Error : Severity::Warning,
                    sensor_ + code,
                    file_ + ":" + std::to_string(tally.first_line),
-                   rows_text(tally, what) + (too_many ? "" : "; they are ignored"),
-                   remedy});
+                   rows_text(tally, what) + (too_many ? advice_text() : "; they are ignored"),
+                   too_many && !advice_.seen.empty() ? advice_.remedy : remedy});
 }
 
 void StampCheck::tell_sorted(const Tally& tally,
@@ -127,6 +127,10 @@ std::string StampCheck::rows_text(const Tally& tally, const std::string& what) c
            ", the first in line " + std::to_string(tally.first_line);
 }
 
+std::string StampCheck::advice_text() const {
+    return advice_.seen.empty() ? "" : ": " + advice_.seen;
+}
+
 void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns, double min_period_s) {
     const std::int64_t period_ns = median_period_ns(accepted_ns);
     if (period_ns == 0) return;
@@ -134,8 +138,9 @@ void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns, dou
         findings_.error(sensor_ + "_timestamp_unit",
                         file_,
                         "the timestamps increase by " + std::to_string(period_ns) +
-                            " per row, too little for nanoseconds (milli- or microseconds?)",
-                        "Write timestamps in nanoseconds.");
+                            " per row, too little for nanoseconds" +
+                            (advice_.seen.empty() ? " (milli- or microseconds?)" : advice_text()),
+                        advice_.seen.empty() ? "Write timestamps in nanoseconds." : advice_.remedy);
         return;
     }
     std::int64_t num_gaps = 0;

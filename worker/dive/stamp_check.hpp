@@ -8,6 +8,7 @@
 
 #include "worker/dive/clock_steps.hpp"
 #include "worker/dive/finding_log.hpp"
+#include "worker/dive/table_advice.hpp"
 
 namespace divemesh::dive {
 
@@ -31,6 +32,8 @@ public:
     template <typename Row, typename IsSame>
     TableClock sort(std::vector<Row>& rows, std::vector<std::int64_t> lines, const IsSame& is_same);
 
+    // Notes what seems wrong with the format, for the findings that refuse the table.
+    void advise(TableAdvice advice) { advice_ = std::move(advice); }
     // Reports the findings; call it after the last row. A period below `min_period_s` means that
     // the timestamps are not nanoseconds.
     void report(const std::vector<std::int64_t>& accepted_ns, double min_period_s);
@@ -60,11 +63,13 @@ private:
                      const std::string& what,
                      const std::string& remedy);
     std::string rows_text(const Tally& tally, const std::string& what) const;
+    std::string advice_text() const;
     void report_period(const std::vector<std::int64_t>& accepted_ns, double min_period_s);
 
     std::string sensor_;
     std::string file_;
     FindingLog& findings_;
+    TableAdvice advice_;
     std::int64_t num_rows_ = 0;
     Tally malformed_;
     Tally not_finite_;

@@ -4,6 +4,7 @@
 
 #include "worker/dive/coverage.hpp"
 #include "worker/dive/entry_name.hpp"
+#include "worker/dive/gravity_check.hpp"
 #include "worker/dive/image_checks.hpp"
 #include "worker/dive/motion_check.hpp"
 #include "worker/dive/stamp_check.hpp"
@@ -60,6 +61,7 @@ StoredDive::StoredDive(const std::filesystem::path& path,
     check_coverage(contents_, findings_);
     check_reference_mesh();
     if (!contents_.has_rig) return;
+    check_gravity_direction(contents_, findings_);
     reader_ =
         FrameReader(num_frames(), kPrefetchedPairs, [this](int index) { return load(index); });
     check_first_images();

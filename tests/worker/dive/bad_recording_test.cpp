@@ -191,6 +191,39 @@ TEST_F(BadRecordingTest, AnImageWithoutPartnerIsCounted) {
     EXPECT_EQ(spoiled.num_frames, TinyDive::kNumFrames - 1);
 }
 
+TEST_F(BadRecordingTest, ImagesWithoutAListAreFoundByTheirNames) {
+    tiny_.remove(kCam0Rows);
+    std::string stamps;
+    for (int i = 0; i < TinyDive::kNumFrames; ++i)
+        stamps += std::to_string(TinyDive::kFirst_ns + i * 100'000'000LL) + "\n";
+    tiny_.write(kCam1Rows, stamps);
+
+    const auto told = report();
+
+    EXPECT_EQ(told.num_frames, TinyDive::kNumFrames);
+    EXPECT_THAT(told.findings,
+                HasFinding(Severity::Warning, "image_list_missing", "5 images are used"));
+    EXPECT_THAT(told.findings,
+                HasFinding(Severity::Warning, "image_names_completed", "5 of 5 rows"));
+}
+
+TEST_F(BadRecordingTest, AnAccelerometerWithReversedSignIsTold) {
+    write_imu("0,0,0,0.1,-9.8,0.2");  // up is -y of the cameras
+    EXPECT_THAT(findings(), testing::Not(HasFinding(Severity::Warning, "gravity_upside_down", "")));
+
+    write_imu("0,0,0,-0.1,9.8,-0.2");
+    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "gravity_upside_down", "upside down"));
+}
+
+TEST_F(BadRecordingTest, DepthsWrittenAsNegativeNumbersAreTold) {
+    std::string rows;
+    for (int i = 0; i < TinyDive::kNumFrames; ++i)
+        rows += std::to_string(TinyDive::kFirst_ns + i * 100'000'000LL) + ",-18.2\n";
+    tiny_.write("mav0/pressure0/data.csv", rows);
+
+    EXPECT_THAT(findings(), HasFinding(Severity::Warning, "pressure_sign", "5 of 5 depths"));
+}
+
 TEST_F(BadRecordingTest, StampsInMillisecondsAreRefused) {
     std::string rows;
     for (int i = 0; i < TinyDive::kNumFrames; ++i)
@@ -362,6 +395,7 @@ TEST_F(BadRecordingTest, BlackImagesAreRefused) {
 
 TEST_F(BadRecordingTest, AnEmptyDiveIsRefused) {
     tiny_.write(kCam0Rows, "#timestamp [ns],filename\n");
+    tiny_.remove("mav0/cam0/data");
 
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "dive_empty", kCam0Rows));
 }
