@@ -118,15 +118,17 @@ void download_job(api::client::RestClient& rest,
     api::client::download_artifacts(rest.account(), artifacts, folder, observer);
 }
 
-void print_job_metrics(api::client::RestClient& rest, const std::string& job_id) {
-    const auto artifacts = artifacts_of(rest, job_id, {});
+void print_job_metrics(api::client::RestClient& rest, const Job& job) {
+    const auto artifacts = artifacts_of(rest, job.id, {});
     const bool has_metrics = std::any_of(
         artifacts.begin(), artifacts.end(), [](const auto& a) { return a.name == "metrics.json"; });
     if (has_metrics)
-        std::cerr << metrics_summary(rest.get(job_path(job_id) + "/artifacts/metrics.json"));
+        std::cerr << metrics_summary(rest.get(job_path(job.id) + "/artifacts/metrics.json"));
+    if (job.verdict) std::cerr << verdict_text(job.findings);
 }
 
 void print_failure(api::client::RestClient& rest, const Job& job) {
+    if (job.verdict) std::cerr << verdict_text(job.findings);
     std::cerr << "job " << job.id << " " << to_string(job.state);
     if (!job.failure.message.empty()) std::cerr << ": " << job.failure.message;
     std::cerr << '\n';

@@ -29,10 +29,12 @@ void download_job(api::client::RestClient& rest,
                   const std::vector<std::string>& names,  // empty: all of them
                   const std::filesystem::path& folder);
 
-// Prints the metrics of a finished job as a table on stderr, if it has some.
-void print_job_metrics(api::client::RestClient& rest, const std::string& job_id);
+// Prints the metrics of a finished job as a table on stderr, if it has some, with its findings and
+// verdict.
+void print_job_metrics(api::client::RestClient& rest, const Job& job);
 
-// Prints why a job did not succeed: its failure and the dive's findings.
+// Prints why a job did not succeed: its failure, its own findings and verdict, and those of a
+// refused dive.
 void print_failure(api::client::RestClient& rest, const Job& job);
 
 }  // namespace divemesh::cli

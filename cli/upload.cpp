@@ -183,9 +183,11 @@ int wait_for(client::RestClient& rest, const std::string& job_id, const UploadOp
     const Job job = wait_for_job(rest, job_id);
     if (job.state != JobState::Succeeded) {
         print_failure(rest, job);
+        if (job.verdict && !options.download.empty())
+            download_job(rest, job_id, {}, options.download);
         return kExitFailed;
     }
-    print_job_metrics(rest, job_id);
+    print_job_metrics(rest, job);
     if (!options.download.empty()) download_job(rest, job_id, {}, options.download);
     return kExitDone;
 }

@@ -53,6 +53,7 @@ std::string_view usual_remedy(ErrorCode code) {
 }
 
 std::string_view verdict_of(const Job& job) {
+    if (job.verdict) return to_string(*job.verdict);
     if (job.requirements.empty()) return "";
     const auto is_met = [](const RequirementResult& result) { return result.met; };
     return std::all_of(job.requirements.begin(), job.requirements.end(), is_met) ? "passed"

@@ -10,8 +10,10 @@
 
 #include "schemas/artifact.hpp"
 #include "schemas/error.hpp"
+#include "schemas/finding.hpp"
 #include "schemas/job_state.hpp"
 #include "schemas/measurement.hpp"
+#include "schemas/verdict.hpp"
 
 namespace divemesh {
 
@@ -79,13 +81,16 @@ struct Job {
     std::optional<Forecast> forecast;  // computed on request, not stored
     Failure failure;
     std::vector<RequirementResult> requirements;  // of a report that succeeded
+    std::optional<Verdict> verdict;               // of a reconstruction that has ended
+    std::vector<Finding> findings;                // of the same; those on its dive are among them
     std::int64_t not_before_ms = 0;
     std::int64_t created_at_ms = 0;
     std::int64_t started_at_ms = 0;   // of the newest attempt; 0: never
     std::int64_t finished_at_ms = 0;  // 0: not finished
 };
 
-// Returns passed, failed, or "" without requirements.
+// Returns good, usable_with_restrictions or not_usable for a reconstruction; passed or failed for a
+// report with requirements; otherwise "".
 std::string_view verdict_of(const Job& job);
 
 // A worker's right to write to a job. Every write carries it; one with a stale lease changes

@@ -76,13 +76,14 @@ void to_json(nlohmann::json& json, const Job& job) {
             {"failure", nullptr},
             {"verdict", nullptr},
             {"requirements", job.requirements},
+            {"findings", job.findings},
             {"not_before_ms", job.not_before_ms},
             {"created_at_ms", job.created_at_ms},
             {"started_at_ms", job.started_at_ms},
             {"finished_at_ms", job.finished_at_ms}};
     if (!job.failure.message.empty()) json["failure"] = job.failure;
     if (job.forecast) json["forecast"] = *job.forecast;
-    if (!job.requirements.empty()) json["verdict"] = verdict_of(job);
+    if (const auto verdict = verdict_of(job); !verdict.empty()) json["verdict"] = verdict;
 }
 
 void from_json(const nlohmann::json& json, Job& job) {
@@ -105,6 +106,9 @@ void from_json(const nlohmann::json& json, Job& job) {
     if (!json.at("forecast").is_null()) job.forecast = json.at("forecast").get<Forecast>();
     job.failure = json.at("failure").is_null() ? Failure{} : json.at("failure").get<Failure>();
     json.at("requirements").get_to(job.requirements);
+    if (job.kind == JobKind::Reconstruct && !json.at("verdict").is_null())
+        job.verdict = verdict_from_string(json.at("verdict").get<std::string>());
+    json.at("findings").get_to(job.findings);
     json.at("not_before_ms").get_to(job.not_before_ms);
     json.at("created_at_ms").get_to(job.created_at_ms);
     json.at("started_at_ms").get_to(job.started_at_ms);

@@ -5,6 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "schemas/finding.hpp"
+#include "schemas/verdict.hpp"
+
 namespace divemesh {
 
 // A metric as a job measured it, see schemas/metric.hpp for the names.
@@ -33,13 +36,16 @@ struct Regression {
     std::int64_t num_earlier = 0;
 };
 
-// What a job measured, stored when it succeeds.
+// What a job measured, stored when it succeeds; of a reconstruction that is not usable, findings
+// and verdict are stored when it fails.
 struct Measurement {
     std::vector<MeasuredMetric> metrics;
     std::vector<RequirementResult> requirements;  // of a report
     std::vector<Regression> regressions;          // of a report
     std::string version;                          // of the program that measured
     std::string calibration_sha256;
+    std::vector<Finding> findings;   // of a reconstruction
+    std::optional<Verdict> verdict;  // of a reconstruction
 };
 
 // One value of a series over dives and time.

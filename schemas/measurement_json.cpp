@@ -80,7 +80,10 @@ void to_json(nlohmann::json& json, const Measurement& measured) {
             {"requirements", measured.requirements},
             {"regressions", measured.regressions},
             {"version", measured.version},
-            {"calibration_sha256", measured.calibration_sha256}};
+            {"calibration_sha256", measured.calibration_sha256},
+            {"findings", measured.findings},
+            {"verdict", nullptr}};
+    if (measured.verdict) json["verdict"] = to_string(*measured.verdict);
 }
 
 void from_json(const nlohmann::json& json, Measurement& measured) {
@@ -89,6 +92,10 @@ void from_json(const nlohmann::json& json, Measurement& measured) {
     json.at("regressions").get_to(measured.regressions);
     json.at("version").get_to(measured.version);
     json.at("calibration_sha256").get_to(measured.calibration_sha256);
+    json.at("findings").get_to(measured.findings);
+    measured.verdict.reset();
+    if (!json.at("verdict").is_null())
+        measured.verdict = verdict_from_string(json.at("verdict").get<std::string>());
 }
 
 void to_json(nlohmann::json& json, const MetricPoint& point) {

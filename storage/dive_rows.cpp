@@ -5,6 +5,7 @@
 
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
+#include "schemas/verdict.hpp"
 #include "storage/event_store.hpp"
 #include "storage/sql.hpp"
 
@@ -36,11 +37,9 @@ std::optional<Finding> check_identity(soci::session& session,
     return std::nullopt;
 }
 
-std::optional<Failure> first_error(const std::vector<Finding>& findings) {
-    const auto error = std::find_if(findings.begin(), findings.end(), [](const Finding& finding) {
-        return finding.severity == Severity::Error;
-    });
-    if (error == findings.end()) return std::nullopt;
+std::optional<Failure> refusal_by(const std::vector<Finding>& findings) {
+    const auto error = first_error(findings);
+    if (!error) return std::nullopt;
     std::string message = "the dive was refused: ";
     if (!error->where.empty()) message += error->where + ": ";
     message += error->message;
@@ -155,7 +154,7 @@ IntakeVerdict apply_intake(soci::session& session,
     IntakeResult judged = result;
     if (auto finding = check_identity(session, dive, result.content_sha256))
         judged.findings.push_back(std::move(*finding));
-    verdict.refusal = first_error(judged.findings);
+    verdict.refusal = refusal_by(judged.findings);
 
     dive.state = verdict.refusal ? DiveState::Refused : DiveState::Ready;
     if (!result.name.empty()) dive.name = result.name;

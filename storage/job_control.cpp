@@ -63,14 +63,24 @@ void revive_children(soci::session& session, const std::string& parent_id) {
         }
 }
 
+// Leaves the blobs of a partial result to remove_leftovers().
+void drop_partial_result(soci::session& session, const std::string& id) {
+    execute(session, "DELETE FROM artifacts WHERE job_id = :id", soci::use(id, "id"));
+    execute(session,
+            "UPDATE attempts SET cleaned = 0 WHERE job_id = :id AND state = 'failed'",
+            soci::use(id, "id"));
+}
+
 // Queues a finished job again, with all its attempts.
 Job put_back(soci::session& session, const std::string& id) {
     const std::string progress = to_text(Progress{});
     execute(session,
             "UPDATE jobs SET num_attempts = 0, num_silent_losses = 0, cancel_requested = 0,"
-            " paused = 0, lowered = 0, stages = '[]', progress = :progress WHERE id = :id",
+            " paused = 0, lowered = 0, stages = '[]', verdict = '', findings = '[]',"
+            " progress = :progress WHERE id = :id",
             soci::use(progress, "progress"),
             soci::use(id, "id"));
+    drop_partial_result(session, id);
     change_state(session, id, JobState::Queued, {});
     revive_children(session, id);
     return read_job(session, id);

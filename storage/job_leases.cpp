@@ -20,6 +20,8 @@ namespace {
 // Limits for what an attempt reports, because its recording may have taken it over.
 constexpr std::size_t kMaxLogBytes = 256 * 1024;
 constexpr std::size_t kMaxStages = 32;
+constexpr std::size_t kMaxFindings = 200;
+constexpr std::size_t kMaxFindingBytes = 4096;  // of each of its texts
 constexpr std::size_t kMaxStageNameBytes = 64;
 constexpr const char* kLogCut = "\n[the log was cut off here]\n";
 
@@ -146,6 +148,37 @@ void write_requirements(soci::session& session,
             "UPDATE jobs SET requirements = :requirements WHERE id = :id",
             soci::use(text, "requirements"),
             soci::use(job.id, "id"));
+}
+
+// Keeps the findings on a reconstruction, and its verdict. Their number and length are limited,
+// because a recording may have taken over what reports them.
+void write_verdict(soci::session& session, const Job& job, const Measurement& measured) {
+    if (!measured.verdict) return;
+    std::vector<Finding> kept = measured.findings;
+    if (kept.size() > kMaxFindings) kept.resize(kMaxFindings);
+    for (Finding& finding : kept)
+        for (std::string* text : {&finding.code, &finding.where, &finding.message, &finding.remedy})
+            if (text->size() > kMaxFindingBytes) text->resize(kMaxFindingBytes);
+    const std::string verdict(to_string(*measured.verdict));
+    const std::string findings = to_text(kept);
+    execute(session,
+            "UPDATE jobs SET verdict = :verdict, findings = :findings WHERE id = :id",
+            soci::use(verdict, "verdict"),
+            soci::use(findings, "findings"),
+            soci::use(job.id, "id"));
+}
+
+// Makes the files of a failed attempt artifacts of its job, until the job is tried again.
+void keep_partial_result(soci::session& session,
+                         const Lease& lease,
+                         const Job& job,
+                         const PartialResult& partial) {
+    for (const Artifact& artifact : partial.artifacts) insert_artifact(session, lease, artifact);
+    write_verdict(session, job, partial.measured);
+    execute(session,
+            "UPDATE attempts SET cleaned = 1 WHERE job_id = :job AND number = :number",
+            soci::use(lease.job_id, "job"),
+            soci::use(lease.attempt, "number"));
 }
 
 void append_regression_event(soci::session& session,
@@ -279,6 +312,7 @@ bool JobStore::succeed(const Lease& lease,
         for (const Artifact& artifact : artifacts) insert_artifact(session, lease, artifact);
         insert_metrics(session, job, measured);
         write_requirements(session, job, measured.requirements);
+        write_verdict(session, job, measured);
         learn_speed(session, job);
         end_attempt(session, job, {});
         if (!measured.regressions.empty())
@@ -297,7 +331,8 @@ bool JobStore::finish_intake(const Lease& lease, const IntakeResult& result) {
 
 bool JobStore::fail(const Lease& lease,
                     const Failure& failure,
-                    const std::optional<UnreadableTruth>& unreadable) {
+                    const std::optional<UnreadableTruth>& unreadable,
+                    const PartialResult& partial) {
     return with_lease(lease, [&](soci::session& session, const Job& job) {
         const bool other_truth = unreadable && set_truth_aside(session, job, *unreadable);
         const std::int64_t retry_at_ms =
@@ -310,6 +345,8 @@ bool JobStore::fail(const Lease& lease,
                                    : end_of_failed(job, failure, retry_at_ms);
         if (job.kind == JobKind::Intake && end.job == JobState::Failed)
             refuse_dive(session, job, failure);
+        if (!partial.artifacts.empty() && end.job == JobState::Failed)
+            keep_partial_result(session, lease, job, partial);
         end_attempt(session, job, end);
     });
 }

@@ -42,7 +42,9 @@ void JobRow::define(soci::statement& statement) {
                    job.created_at_ms,
                    job.started_at_ms,
                    job.finished_at_ms,
-                   requirements);
+                   requirements,
+                   verdict,
+                   findings);
 }
 
 Job JobRow::value() const {
@@ -56,6 +58,8 @@ Job JobRow::value() const {
     value.progress = nlohmann::json::parse(progress).get<Progress>();
     value.stages = nlohmann::json::parse(stages).get<std::vector<StageRun>>();
     value.requirements = nlohmann::json::parse(requirements).get<std::vector<RequirementResult>>();
+    if (!verdict.empty()) value.verdict = verdict_from_string(verdict);
+    value.findings = nlohmann::json::parse(findings).get<std::vector<Finding>>();
     value.failure.code = failure_code_from(failure_code);
     value.cancel_requested = cancel_requested != 0;
     return value;

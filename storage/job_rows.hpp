@@ -18,6 +18,8 @@ struct JobRow {
     std::string progress;
     std::string stages;
     std::string requirements;
+    std::string verdict;
+    std::string findings;
     std::string failure_code;
     int paused = 0;
     int lowered = 0;
@@ -31,7 +33,7 @@ inline constexpr const char* kJobColumns =
     "id, project, dive_id, kind, state, preset, options, parents, priority, paused, lowered,"
     " num_attempts, max_attempts, cancel_requested, progress, stages, failure_code,"
     " failure_message, failure_remedy, not_before_ms, created_at_ms, started_at_ms, finished_at_ms,"
-    " requirements";
+    " requirements, verdict, findings";
 
 // A running job whose lease has ended, with what decides its next state.
 struct ExpiredJob {

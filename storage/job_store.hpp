@@ -70,6 +70,12 @@ struct Renewal {
     bool cancel_requested = false;
 };
 
+// What a reconstruction that is not usable has left: its artifacts, findings and verdict.
+struct PartialResult {
+    std::vector<Artifact> artifacts;
+    Measurement measured;
+};
+
 // How long a job waits after a failure that may be retried: doubled with each attempt, less up to a
 // half at random.
 struct RetryPause {
@@ -94,7 +100,8 @@ public:
     Job get(const std::string& id);  // throws Error{NotFound}
     Page<Job> list(const JobFilter& filter, const PageRequest& page);
     std::vector<Attempt> attempts(const std::string& job_id);
-    std::vector<Artifact> artifacts(const std::string& job_id);  // of the attempt that succeeded
+    // Returns the artifacts of the attempt that succeeded, or the partial result of a failed job.
+    std::vector<Artifact> artifacts(const std::string& job_id);
     Artifact artifact(const std::string& job_id, const std::string& name);  // throws NotFound
     std::string log(const std::string& job_id);               // of the newest attempt, truncated
     std::string log(const std::string& job_id, int attempt);  // throws Error{NotFound}
@@ -132,10 +139,12 @@ public:
                  const Measurement& measured = {});
     bool finish_intake(const Lease& lease, const IntakeResult& result);  // dive ready or refused
     // Ends the attempt as storage/job_ends.hpp says. A report whose truth is unreadable, and was
-    // not chosen by name, is retried at once with the newest file that is left.
+    // not chosen by name, is retried at once with the newest file that is left. If the job fails
+    // for good, it keeps the partial result until it is tried again.
     bool fail(const Lease& lease,
               const Failure& failure,
-              const std::optional<UnreadableTruth>& unreadable = std::nullopt);
+              const std::optional<UnreadableTruth>& unreadable = std::nullopt,
+              const PartialResult& partial = {});
     bool release(const Lease& lease);  // graceful shutdown: back to queued, not counted
 
     // Does what claim() does first, for times when no worker claims. Returns how many jobs lost

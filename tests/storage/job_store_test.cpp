@@ -29,6 +29,24 @@ TEST_F(JobStoreTest, QueuesAJobOnAReadyDive) {
     EXPECT_GT(stored.created_at_ms, 0);
 }
 
+TEST_F(JobStoreTest, AReconstructionKeepsItsFindingsAndItsVerdictAndTellsThem) {
+    const Job job = enqueue(ready_dive());
+    Measurement measured;
+    measured.verdict = Verdict::UsableWithRestrictions;
+    measured.findings = {{Severity::Warning, "tracking_lost", "frames 3 to 9", "lost", "slower"}};
+
+    ASSERT_TRUE(jobs_.succeed(claim().lease, {}, measured));
+
+    const Job stored = jobs_.get(job.id);
+    EXPECT_EQ(verdict_of(stored), "usable_with_restrictions");
+    ASSERT_EQ(stored.findings.size(), 1U);
+    EXPECT_EQ(stored.findings[0].where, "frames 3 to 9");
+    const auto told = events_.since(0, "", 1000);
+    ASSERT_FALSE(told.empty());
+    EXPECT_EQ(told.back().data.at("verdict"), "usable_with_restrictions");
+    EXPECT_EQ(told.back().data.at("findings").size(), 1U);
+}
+
 TEST_F(JobStoreTest, HoldsAJobUntilTheIntakeOfItsDiveHasSucceeded) {
     const Dive dive = create_dive("wreck").dive;
     const Job job = enqueue(dive);

@@ -40,6 +40,29 @@ TEST_F(LeftoversTest, OnlyWhatCameToNothingIsRemoved) {
     EXPECT_TRUE(blobs_->exists(prefix_of(running) + "mesh.glb"));
 }
 
+TEST_F(LeftoversTest, APartialResultStaysUntilItsJobIsTriedAgain) {
+    const Job job = enqueue(ready_dive());
+    const Lease lease = claim().lease;
+    put(prefix_of(lease) + "metrics.json");
+    PartialResult partial;
+    partial.artifacts = {{.name = "metrics.json", .blob = prefix_of(lease) + "metrics.json"}};
+    partial.measured.verdict = Verdict::NotUsable;
+    partial.measured.findings = {{Severity::Error, "no_surface", "", "no triangles", ""}};
+    ASSERT_TRUE(jobs_.fail(lease, {ErrorCode::BadData, "no triangles"}, std::nullopt, partial));
+
+    EXPECT_EQ(clean(), 0);
+    EXPECT_EQ(jobs_.artifacts(job.id).size(), 1U);
+    EXPECT_EQ(jobs_.get(job.id).verdict, Verdict::NotUsable);
+    ASSERT_EQ(jobs_.get(job.id).findings.size(), 1U);
+    EXPECT_EQ(jobs_.get(job.id).findings[0].code, "no_surface");
+
+    jobs_.retry(job.id);
+    EXPECT_TRUE(jobs_.artifacts(job.id).empty());
+    EXPECT_FALSE(jobs_.get(job.id).verdict);
+    EXPECT_EQ(clean(), 1);
+    EXPECT_FALSE(blobs_->exists(prefix_of(lease) + "metrics.json"));
+}
+
 TEST_F(LeftoversTest, AnAttemptThatHasJustEndedMayStillBeWriting) {
     enqueue(ready_dive());
     jobs_.fail(claim().lease, {ErrorCode::Unavailable, "crashed"});

@@ -14,6 +14,7 @@
 #include "schemas/metric.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "schemas/truth_file.hpp"
+#include "schemas/verdict.hpp"
 #include "worker/attempt/attempt_protocol.hpp"
 #include "worker/attempt/forbid_processes.hpp"
 #include "worker/compare/compare.hpp"
@@ -191,6 +192,11 @@ void run_comparison(const AttemptRequest& request) {
     send(Done{});
 }
 
+std::string log_line(const Finding& finding) {
+    return std::string(to_string(finding.severity)) + " " + finding.code + ": " +
+           (finding.where.empty() ? "" : finding.where + ": ") + finding.message + "\n";
+}
+
 void run_reconstruction(const AttemptRequest& request) {
     const auto metrics =
         pipeline::reconstruct_dive({.dive = request.dive,
@@ -202,9 +208,20 @@ void run_reconstruction(const AttemptRequest& request) {
                                     .options = make_options(request.preset, request.options),
                                     .stage_done = [](const StageRun& stage) { send(stage); }},
                                    reporter());
+    const auto findings =
+        metrics.value("findings", nlohmann::json::array()).get<std::vector<Finding>>();
+    for (const Finding& finding : findings) send(LogText{log_line(finding)});
     send(Measurement{.metrics = measured_metrics(metrics),
                      .version = text_at(metrics, "/version"),
-                     .calibration_sha256 = text_at(metrics, "/calibration/sha256")});
+                     .calibration_sha256 = text_at(metrics, "/calibration/sha256"),
+                     .findings = findings,
+                     .verdict = verdict_on(findings)});
+    if (const auto error = first_error(findings))
+        return send(Failure{.code = ErrorCode::BadData,
+                            .message = error->message +
+                                       ": what was made of the dive until then is among the "
+                                       "artifacts of the job",
+                            .remedy = error->remedy});
     send(Done{});
 }
 

@@ -323,7 +323,8 @@ void AttemptRunner::conclude_stopped() {
 
 void AttemptRunner::conclude(const attempt::AttemptMessage& result,
                              const attempt::AttemptRequest& request) {
-    if (const auto* failure = std::get_if<Failure>(&result)) return fail(*failure);
+    if (const auto* failure = std::get_if<Failure>(&result))
+        return measurement_.verdict ? fail_with_partial_result(*failure, request) : fail(*failure);
     if (const auto* intake = std::get_if<attempt::IntakeAnswer>(&result))
         return publish_intake(*intake, request);
     if (end_.exit_code != 0 || end_.signal != 0) return fail(failure_of(end_));
@@ -372,6 +373,19 @@ void AttemptRunner::fail(const Failure& failure) {
               {"what", failure.message}});
     remove_blobs();
     persist([&] { return jobs_.fail(claim_.lease, failure, unreadable_truth_); });
+}
+
+// Keeps what a reconstruction that is not usable has left: it shows why.
+void AttemptRunner::fail_with_partial_result(const Failure& failure,
+                                             const attempt::AttemptRequest& request) {
+    log_info({{"event", "attempt_failed"},
+              {"job", claim_.job.id},
+              {"attempt", claim_.lease.attempt},
+              {"code", to_string(failure.code)},
+              {"what", failure.message}});
+    const storage::PartialResult partial{store_artifacts(request), measurement_};
+    if (!persist([&] { return jobs_.fail(claim_.lease, failure, unreadable_truth_, partial); }))
+        remove_blobs();
 }
 
 // Removes the blobs of this attempt, unless it succeeded: a commit may have reached the catalog

@@ -55,6 +55,7 @@ private:
                         const attempt::AttemptRequest& request);
     std::vector<Artifact> store_artifacts(const attempt::AttemptRequest& request);
     void fail(const Failure& failure);
+    void fail_with_partial_result(const Failure& failure, const attempt::AttemptRequest& request);
     void remove_blobs() const;
     bool persist(const std::function<bool()>& write) const;
 

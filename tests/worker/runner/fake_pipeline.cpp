@@ -15,6 +15,7 @@
 #include <thread>
 #include <unistd.h>
 
+#include "schemas/json.hpp"
 #include "worker/attempt/attempt_protocol.hpp"
 #include "worker/compare/compare.hpp"
 #include "worker/dive/intake.hpp"
@@ -165,6 +166,11 @@ nlohmann::json pipeline::reconstruct_dive(const pipeline::ReconstructionRequest&
         return nlohmann::json::object();
     }
     write_artifacts(request.out);
+    if (script.word == "unusable")
+        return {
+            {"verdict", "not_usable"},
+            {"findings",
+             {Finding{Severity::Error, "no_surface", "", "the mesh has no triangles", "swim"}}}};
     if (script.word == "large") write_large_file(request.out);
     progress({.stage = "evaluate", .fraction = 1.0});
     request.stage_done({.name = "evaluate", .seconds = 0.5});

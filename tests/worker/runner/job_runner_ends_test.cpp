@@ -45,6 +45,21 @@ TEST_F(JobRunnerTest, BadDataFailsAtOnceWithItsReason) {
     EXPECT_EQ(jobs_.attempts(job.id).size(), 1u);
 }
 
+TEST_F(JobRunnerTest, AResultThatIsNotUsableFailsAndIsKept) {
+    const Job job = make_job("unusable");
+    Process worker = start_worker();
+
+    ASSERT_TRUE(reaches(job, JobState::Failed));
+    const Job failed = jobs_.get(job.id);
+    EXPECT_EQ(verdict_of(failed), "not_usable");
+    ASSERT_EQ(failed.findings.size(), 1U);
+    EXPECT_EQ(failed.findings[0].code, "no_surface");
+    EXPECT_THAT(failed.failure.message, HasSubstr("among the artifacts"));
+    EXPECT_EQ(failed.failure.remedy, "swim");
+    EXPECT_FALSE(jobs_.artifacts(job.id).empty());
+    EXPECT_THAT(jobs_.log(job.id), HasSubstr("error no_surface: the mesh has no triangles"));
+}
+
 TEST_F(JobRunnerTest, AChildThatCrashesIsTriedAgainAndThenGivenUp) {
     const Job job = make_job("abort", 2);
     Process worker = start_worker();
