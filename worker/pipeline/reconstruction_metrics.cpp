@@ -2,6 +2,7 @@
 
 #include "worker/evaluation/path_length.hpp"
 #include "worker/evaluation/surface_samples.hpp"
+#include "worker/pipeline/align_cameras.hpp"
 #include "worker/pipeline/metrics_document.hpp"
 
 namespace divemesh::pipeline {
@@ -10,7 +11,7 @@ namespace {
 evaluation::ExpectedAccuracy expected(const Reconstruction& made) {
     const auto& known = made.evaluation.known_distances;
     return evaluation::expected_accuracy(
-        {.recording = made.dive,
+        {.recording = made.recording,
          .trajectory = made.optimised.trajectory,
          .num_segments =
              evaluation::segments_of(made.optimised.trajectory, made.optimised.keyframes).size(),
@@ -37,6 +38,8 @@ std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
 // Returns the findings about the dive, then those about its reconstruction.
 std::vector<Finding> findings(const Reconstruction& made) {
     std::vector<Finding> all = made.dive.findings();
+    const std::vector<Finding> of_cameras = alignment_findings(made.alignment);
+    all.insert(all.end(), of_cameras.begin(), of_cameras.end());
     const std::vector<Finding>& later = made.optimised.findings;
     all.insert(all.end(), later.begin(), later.end());
     return all;
@@ -46,7 +49,7 @@ std::vector<Finding> findings(const Reconstruction& made) {
 
 evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
     return evaluation::evaluate_reconstruction(
-        {.rig = made.scale ? made.scale->applied(made.dive.rig()) : made.dive.rig(),
+        {.rig = made.scale ? made.scale->applied(made.recording.rig()) : made.recording.rig(),
          .trajectory = made.optimised.trajectory,
          .causal = made.track.causal,
          .covariances = made.optimised.covariances,
@@ -67,7 +70,9 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .position = made.dive.info().position,
          .content_sha256 = made.dive.content_sha256(),
          .duration_s = made.dive.duration_s(),
-         .rig = made.dive.rig(),
+         .stated_rig = made.dive.rig(),
+         .rig = made.recording.rig(),
+         .alignment = made.alignment,
          .gravity = evaluation::check_gravity(made.dive.imu(), made.optimised.trajectory),
          .refined = made.optimised.calibration,
          .end_covariance_m2 = made.optimised.covariances.empty()
