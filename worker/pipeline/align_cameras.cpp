@@ -22,7 +22,7 @@ constexpr std::size_t kEnoughMatches = 2000;
 constexpr std::size_t kWindowsAtOnce = 6;
 constexpr int kFramesPerWindow = 8;  // of the dive; more windows would read frames twice
 // Windows are added until the bias of disparities is known this well, or hardly is one.
-constexpr double kEnoughBiasSigma_px = 0.06;
+constexpr double kEnoughBiasSigma_px = 0.04;
 constexpr double kNoBiasSigma_px = 0.12;
 constexpr double kTold_px = 0.7;  // findings begin here
 constexpr double kDegPerRad = 57.29577951308232;
@@ -201,11 +201,19 @@ Finding inconsistent_finding(const types::RigAlignment& alignment) {
 types::RigAlignment align_cameras(const types::Recording& recording,
                                   int num_threads,
                                   const base::ProgressCallback& progress) {
-    types::RigAlignment alignment = align_rows(recording, num_threads, progress);
     using Outcome = types::RigAlignment::Outcome;
-    if (alignment.outcome == Outcome::AsStated) alignment.change = {};
-    if (alignment.outcome == Outcome::AsStated || alignment.outcome == Outcome::Moved)
-        align_ranges(recording, num_threads, progress, alignment);
+    const types::RigAlignment rows = align_rows(recording, num_threads, progress);
+    if (rows.outcome != Outcome::AsStated && rows.outcome != Outcome::Moved) return rows;
+    types::RigAlignment alignment = rows;
+    if (rows.outcome == Outcome::AsStated) {  // reported, never applied
+        alignment.change = {};
+        alignment.sigmas.setZero();
+    }
+    align_ranges(recording, num_threads, progress, alignment);
+    if (alignment.outcome == Outcome::AsStated) {
+        alignment.change = rows.change;
+        alignment.sigmas = rows.sigmas;
+    }
     return alignment;
 }
 
