@@ -11,6 +11,7 @@
 #include "cli/text.hpp"
 #include "schemas/json.hpp"
 #include "worker/dive/intake.hpp"
+#include "worker/pipeline/align_cameras.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -21,10 +22,11 @@ dive::IntakeReport examine(const fs::path& dive) {
     catch_interrupts();
     const ScratchFolder scratch(fs::temp_directory_path());
     ProgressBar bar;
-    return dive::examine_dive(dive, scratch.path(), [&](const Progress& progress) {
+    const auto progress = [&](const Progress& state) {
         throw_if_interrupted();
-        show_progress(bar, progress);
-    });
+        show_progress(bar, state);
+    };
+    return dive::examine_dive(dive, scratch.path(), progress, pipeline::check_cameras);
 }
 
 int validate(const fs::path& dive, const Context& context) {

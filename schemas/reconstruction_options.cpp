@@ -24,6 +24,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("close_loops", options.close_loops, "recognise revisited places and use them in the bundle adjustment");
     visit("surface", options.surface, "make the cloud, the mesh and what depends on them; false: only the trajectory");
     visit("align_imu", options.align_imu, "estimate time offset and rotation between IMU and cameras (window estimator)");
+    visit("align_cameras", options.align_cameras, "use the position of the right camera against the left one that the images tell, where it is not as calibrated");
     visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion in the bundle adjustment (window estimator)");
     visit("fusion", options.fusion, "octree (points, the paper) or tsdf");
     visit("map_step", options.map_step, "motion of the image between fused frames, as a share of its width; 0: only keyframes");
@@ -137,6 +138,7 @@ ReconstructionOptions preset_options(std::string_view preset) {
     if (preset == "paper") {
         options.stereo = "block";
         options.estimator = "pairwise";
+        options.align_cameras = false;
         options.adjust_whole_dive = false;
         options.close_loops = false;
         options.fusion = "octree";

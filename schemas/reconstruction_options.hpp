@@ -25,6 +25,7 @@ struct ReconstructionOptions {
     bool adjust_whole_dive = true;  // bundle adjustment of the whole dive
     bool close_loops = true;        // at revisited places; needs adjust_whole_dive
     bool align_imu = true;          // estimate its time offset and rotation against the cameras
+    bool align_cameras = true;      // estimate the right camera's position before tracking
     bool refine_lenses = true;      // estimate focal length, principal point and distortion
     bool surface = true;            // false: the trajectory only, without steps 7 and 8
     // step 7, fusion

@@ -69,7 +69,7 @@ json median_metrics(const std::vector<json>& documents) {
 double cpu_ms_per_frame(const json& metrics) {
     double cpu_s = 0.0;
     for (const json& stage : metrics["speed"]["stages"])
-        if (stage["stage"] == "track" || stage["stage"] == "optimise")
+        if (stage["stage"] == "align" || stage["stage"] == "track" || stage["stage"] == "optimise")
             cpu_s += stage["cpu_s"].get<double>();
     return 1e3 * cpu_s / std::max(1.0, metrics["frames"]["num_frames"].get<double>());
 }

@@ -24,6 +24,11 @@ public:
     const std::vector<types::PressureSample>& pressure() const override {
         return recording_.pressure();
     }
+    std::optional<types::StereoFrame> frame(int index) const override {
+        auto frame = recording_.frame(index);
+        if (frame) alter_(*frame);
+        return frame;
+    }
     cv::Mat left_in_color(int frame_index) const override {
         return recording_.left_in_color(frame_index);
     }

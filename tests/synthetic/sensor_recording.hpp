@@ -20,6 +20,7 @@ struct SensorRecording : types::Recording {
     const std::vector<types::OrientationSample>& ahrs() const override { return its_ahrs; }
     const std::vector<types::PressureSample>& pressure() const override { return its_pressure; }
     std::optional<types::StereoFrame> next_frame() override { return std::nullopt; }
+    std::optional<types::StereoFrame> frame(int) const override { return std::nullopt; }
     cv::Mat left_in_color(int) const override { return {}; }
     void rewind() override {}
     std::int64_t num_skipped_frames() const override { return 0; }

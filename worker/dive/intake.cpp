@@ -43,7 +43,10 @@ void survey_images(StoredDive& dive, IntakeReport& report, const base::ProgressC
                            "recorder again; if there are many, check its card.");
 }
 
-void examine(StoredDive& dive, IntakeReport& report, const base::ProgressCallback& progress) {
+void examine(StoredDive& dive,
+             IntakeReport& report,
+             const base::ProgressCallback& progress,
+             const RecordingCheck& check) {
     report.name = dive.info().name;
     report.site = dive.info().site;
     report.rig = dive.info().rig;
@@ -52,20 +55,24 @@ void examine(StoredDive& dive, IntakeReport& report, const base::ProgressCallbac
     report.duration_s = dive.duration_s();
     dive.hash_contents(part(progress, 0.3, 0.1));
     report.content_sha256 = dive.content_sha256();
-    survey_images(dive, report, part(progress, 0.4, 0.6));
+    survey_images(dive, report, part(progress, 0.4, 0.55));
     report.findings = dive.findings();
+    if (!check || has_error(report.findings)) return;
+    const auto checked = check(dive, part(progress, 0.95, 0.05));
+    report.findings.insert(report.findings.end(), checked.begin(), checked.end());
 }
 
 }  // namespace
 
 IntakeReport examine_dive(const std::filesystem::path& path,
                           const std::filesystem::path& scratch,
-                          const base::ProgressCallback& progress) {
+                          const base::ProgressCallback& progress,
+                          const RecordingCheck& check) {
     IntakeReport report;
     try {
         const auto opening = part(progress, 0.0, 0.3);
         StoredDive dive(path, scratch, {}, opening);
-        examine(dive, report, progress);
+        examine(dive, report, progress, check);
     } catch (const Refusal& refusal) {
         report.findings.push_back(refusal.finding());
     }

@@ -2,11 +2,13 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "schemas/finding.hpp"
 #include "worker/base/observer.hpp"
+#include "worker/types/recording.hpp"
 
 namespace divemesh::dive {
 
@@ -23,10 +25,16 @@ struct IntakeReport {
     std::string thumbnail_jpeg;  // bytes; "" if no image decodes
 };
 
-// Opens the dive and decodes every image. Bad data is reported as findings, not thrown; it throws
-// Error{Cancelled}, and errors of the machine such as a full disk.
+// A check that a layer above adds.
+using RecordingCheck = std::function<std::vector<Finding>(const types::Recording& recording,
+                                                          const base::ProgressCallback& progress)>;
+
+// Opens the dive, decodes every image and, if nothing refuses the dive, runs `check`. Bad data is
+// reported as findings, not thrown; it throws Error{Cancelled}, and errors of the machine such as a
+// full disk.
 IntakeReport examine_dive(const std::filesystem::path& path,
                           const std::filesystem::path& scratch,
-                          const base::ProgressCallback& progress);
+                          const base::ProgressCallback& progress,
+                          const RecordingCheck& check = {});
 
 }  // namespace divemesh::dive

@@ -9,7 +9,6 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "worker/base/rotation_vector.hpp"
-#include "worker/base/text.hpp"
 #include "worker/camera/projection.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/stats/median.hpp"
@@ -244,14 +243,6 @@ private:
                     " points would lie behind the cameras, so the left and right images seem to be "
                     "swapped",
                 "Swap the folders: cam0 is the left camera, cam1 the right one.");
-        // Cameras that were not exposed together see such differences with any calibration.
-        if (error_px > 2.0 && !contents_.frames.delay.is_significant())
-            findings_.warning("stereo_mismatch",
-                              "mav0/cam1/sensor.yaml",
-                              "matching points in the left and right images are " +
-                                  base::fixed(error_px, 1) +
-                                  " px (median) away from where the calibration predicts them",
-                              "Calibrate the stereo pair again.");
     }
 
     const DiveContents& contents_;

@@ -144,18 +144,25 @@ std::optional<types::StereoFrame> StoredDive::next_frame() {
                               "images have 16 bits per channel; only the upper 8 are used",
                               "Record 8 bits, or scale 10- and 12-bit data to the full range.");
         }
-        if (pair->is_complete()) {
-            types::StereoFrame frame;
-            frame.index = pair->index;
-            frame.timestamp_ns =
-                contents_.frames.pairs[static_cast<std::size_t>(pair->index)].timestamp_ns;
-            frame.left = std::move(pair->left.image);
-            frame.right = std::move(pair->right.image);
-            return frame;
-        }
+        if (pair->is_complete()) return frame_of(std::move(*pair));
         report_skipped(*pair);
     }
     return std::nullopt;
+}
+
+std::optional<types::StereoFrame> StoredDive::frame(int index) const {
+    LoadedPair pair = load(index);
+    if (!pair.is_complete()) return std::nullopt;
+    return frame_of(std::move(pair));
+}
+
+types::StereoFrame StoredDive::frame_of(LoadedPair pair) const {
+    types::StereoFrame frame;
+    frame.index = pair.index;
+    frame.timestamp_ns = contents_.frames.pairs[static_cast<std::size_t>(pair.index)].timestamp_ns;
+    frame.left = std::move(pair.left.image);
+    frame.right = std::move(pair.right.image);
+    return frame;
 }
 
 cv::Mat StoredDive::left_in_color(int frame_index) const {

@@ -26,6 +26,7 @@ public:
         return contents_.pressure;
     }
     std::optional<types::StereoFrame> next_frame() override;
+    std::optional<types::StereoFrame> frame(int index) const override;
     cv::Mat left_in_color(int frame_index) const override;
     void rewind() override { reader_.rewind(); }
     std::int64_t num_skipped_frames() const override { return std::ssize(skipped_); }
@@ -50,6 +51,7 @@ private:
     void pair_images();
     void check_reference_mesh();
     void check_first_images();
+    types::StereoFrame frame_of(LoadedPair pair) const;
     void report_skipped(const LoadedPair& pair);
 
     FindingLog findings_;

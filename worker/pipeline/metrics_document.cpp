@@ -1,5 +1,6 @@
 #include "worker/pipeline/metrics_document.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -95,6 +96,48 @@ json refined(const MetricsInput& input) {
     return result;
 }
 
+std::string_view to_string(types::RigAlignment::Outcome outcome) {
+    using Outcome = types::RigAlignment::Outcome;
+    switch (outcome) {
+        case Outcome::Unknown: return "unknown";
+        case Outcome::Inconsistent: return "inconsistent";
+        case Outcome::AsStated: return "as_stated";
+        case Outcome::Moved: return "moved";
+    }
+    return "";
+}
+
+// Returns the estimated position of the right camera. What the images do not tell is left out.
+json alignment(const types::RigAlignment& found) {
+    json result = {{"outcome", to_string(found.outcome)},
+                   {"applied", found.applied},
+                   {"num_pairs", found.num_pairs},
+                   {"num_matches", found.num_matches},
+                   {"num_inliers", found.num_inliers}};
+    if (found.num_inliers == 0) return result;
+    constexpr std::array<const char*, types::RigChange::kSize> kNames = {"pitch_deg",
+                                                                         "yaw_deg",
+                                                                         "roll_deg",
+                                                                         "baseline_down_deg",
+                                                                         "baseline_forward_deg",
+                                                                         "focal",
+                                                                         "centre_px"};
+    for (int i = 0; i < types::RigChange::kSize; ++i) {
+        if (found.sigmas[i] <= 0.0) continue;
+        const double unit = i < types::RigChange::kFocal ? kDegPerRad : 1.0;
+        result["change"][kNames[static_cast<std::size_t>(i)]] =
+            estimate(unit * found.change.values[i], unit * found.sigmas[i]);
+    }
+    result["row_shift_px"] = found.row_shift_px;
+    result["row_error_px"] = found.row_error_px;
+    result["pair_error_px"] = found.pair_error_px;
+    result["num_windows"] = found.num_windows;
+    if (found.disparity_bias_sigma_px > 0.0)
+        result["disparity_bias_px"] =
+            estimate(found.disparity_bias_px, found.disparity_bias_sigma_px);
+    return result;
+}
+
 json pose(const Eigen::Isometry3d& T) {
     const Eigen::Vector3d p = T.translation();
     const Eigen::Quaterniond q(T.linear());
@@ -122,7 +165,8 @@ json calibration(const MetricsInput& input) {
                    {"image_size_px", {rig.cam0.width_px, rig.cam0.height_px}},
                    {"distortion_model", to_string(rig.cam0.distortion)},
                    {"T_imu_cam0", pose(rig.T_imu_cam0)},
-                   {"sha256", calibration_sha256(rig)}};
+                   {"sha256", calibration_sha256(input.stated_rig)},
+                   {"alignment", alignment(input.alignment)}};
     if (input.gravity)
         result["gravity"] = {{"magnitude_m_s2", input.gravity->magnitude_m_s2},
                              {"tilt_deg", input.gravity->tilt_deg}};

@@ -20,6 +20,7 @@
 #include "worker/types/geographic_position.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/rig.hpp"
+#include "worker/types/rig_alignment.hpp"
 #include "worker/types/track.hpp"
 
 namespace divemesh::pipeline {
@@ -45,7 +46,9 @@ struct MetricsInput {
     std::optional<types::GeographicPosition> position;
     std::string content_sha256;
     double duration_s = 0.0;
-    types::Rig rig;
+    types::Rig stated_rig;
+    types::Rig rig;  // as used: with the alignment, if it was applied
+    types::RigAlignment alignment;
     std::optional<evaluation::GravityCheck> gravity;  // nullopt: no IMU
     types::RefinedCalibration refined;
     std::optional<Eigen::Matrix3d> end_covariance_m2;  // of the last position; nullopt: unknown

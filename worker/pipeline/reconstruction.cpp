@@ -23,7 +23,7 @@ std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
     return dive;
 }
 
-keyframes::KeyframeStore::LeftInColor rectified_left_images(const dive::Dive& dive) {
+keyframes::KeyframeStore::LeftInColor rectified_left_images(const types::Recording& dive) {
     return [&dive,
             rectifier = std::make_shared<const camera::Rectifier>(dive.rig())](int frame_index) {
         return rectifier->rectify_left(dive.left_in_color(frame_index));
@@ -36,10 +36,17 @@ Reconstruction::Reconstruction(const ReconstructionRequest& made_for)
     : request(made_for),
       opened_dive(open_dive(request)),
       dive(*opened_dive),
+      recording(dive),
       marker_plan(dive::marker_plan_of(dive.markers(), request.options)),
-      keyframe_store(scratch("keyframes"), rectified_left_images(dive)),
+      keyframe_store(scratch("keyframes"), rectified_left_images(recording)),
       task_pool(request.options.num_threads) {
     std::filesystem::create_directories(request.out);
+}
+
+void Reconstruction::set_rig(const types::Rig& rig) {
+    recording.set_rig(rig);
+    keyframe_store =
+        keyframes::KeyframeStore(scratch("keyframes"), rectified_left_images(recording));
 }
 
 }  // namespace divemesh::pipeline

@@ -16,10 +16,12 @@
 #include "worker/markers/marker_metrics.hpp"
 #include "worker/markers/world_scale.hpp"
 #include "worker/mesh/mesh_borders.hpp"
+#include "worker/pipeline/aligned_recording.hpp"
 #include "worker/pipeline/reconstruct.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_time.hpp"
+#include "worker/types/rig_alignment.hpp"
 
 namespace divemesh::pipeline {
 
@@ -31,6 +33,9 @@ struct Reconstruction {
     // not possible.
     explicit Reconstruction(const ReconstructionRequest& made_for);
 
+    // Has all later stages use this rig instead of the stated one.
+    void set_rig(const types::Rig& rig);
+
     const ReconstructionOptions& options() const { return request.options; }
     // Returns true once an error is among the findings on the track: no surface can follow.
     bool has_failed() const { return has_error(optimised.findings); }
@@ -40,7 +45,11 @@ struct Reconstruction {
     const ReconstructionRequest& request;
     std::unique_ptr<dive::Dive> opened_dive;
     dive::Dive& dive;
+    AlignedRecording recording;  // the dive with the rig that all stages after align use
     std::optional<dive::MarkerPlan> marker_plan;  // nullopt: markers are not searched for
+
+    // align
+    types::RigAlignment alignment;
 
     // track
     keyframes::KeyframeStore keyframe_store;  // after optimise: rectified with the refined lenses

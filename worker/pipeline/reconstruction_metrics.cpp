@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "worker/evaluation/surface_samples.hpp"
+#include "worker/pipeline/align_cameras.hpp"
 #include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/metrics_document.hpp"
 #include "worker/pipeline/result_findings.hpp"
@@ -21,7 +22,7 @@ double path_length_m(const Segments& segments) {
 evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments& segments) {
     const auto& known = made.evaluation.known_distances;
     return evaluation::expected_accuracy(
-        {.recording = made.dive,
+        {.recording = made.recording,
          .trajectory = made.optimised.trajectory,
          .num_segments = segments.size(),
          .path_length_m = path_length_m(segments),
@@ -50,6 +51,8 @@ std::vector<Finding> findings(const Reconstruction& made,
                               const Segments& segments,
                               const evaluation::ExpectedAccuracy& expected) {
     std::vector<Finding> all = made.dive.findings();
+    const std::vector<Finding> of_cameras = alignment_findings(made.alignment);
+    all.insert(all.end(), of_cameras.begin(), of_cameras.end());
     const std::vector<Finding>& later = made.optimised.findings;
     all.insert(all.end(), later.begin(), later.end());
     if (made.has_failed()) return all;
@@ -67,7 +70,7 @@ std::vector<Finding> findings(const Reconstruction& made,
 
 evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
     return evaluation::evaluate_reconstruction(
-        {.rig = made.scale ? made.scale->applied(made.dive.rig()) : made.dive.rig(),
+        {.rig = made.scale ? made.scale->applied(made.recording.rig()) : made.recording.rig(),
          .trajectory = made.optimised.trajectory,
          .causal = measured_causal(made.track),
          .covariances = made.optimised.covariances,
@@ -92,7 +95,9 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .position = made.dive.info().position,
          .content_sha256 = made.dive.content_sha256(),
          .duration_s = made.dive.duration_s(),
-         .rig = made.dive.rig(),
+         .stated_rig = made.dive.rig(),
+         .rig = made.recording.rig(),
+         .alignment = made.alignment,
          .gravity = evaluation::check_gravity(made.dive.imu(), made.optimised.trajectory),
          .refined = made.optimised.calibration,
          .end_covariance_m2 = made.optimised.covariances.empty()

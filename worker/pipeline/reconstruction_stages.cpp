@@ -12,6 +12,11 @@ bool corrects_scale(const ReconstructionOptions& options) { return options.corre
 // clang-format off
 std::vector<Stage<Reconstruction>> reconstruction_stages() {
     return {
+        {.spec = {.name = "align", .part_of = "track",
+                  .reads = {"align_cameras"},
+                  .files = {"align.stage"}},
+         .load = load_align, .run = run_align, .save = save_align, .finish = finish_align},
+
         {.spec = {.name = "track", .share = 0.55,
                   .reads = {"stereo", "num_disparities_px", "num_features", "estimator", "use_imu", "use_ahrs",
                             "use_pressure", "close_loops", "align_imu", "surface", "map_step", "seed"},

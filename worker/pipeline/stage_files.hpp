@@ -7,6 +7,7 @@
 #include "worker/pipeline/cloud_metrics.hpp"
 #include "worker/pipeline/surface.hpp"
 #include "worker/types/optimised_track.hpp"
+#include "worker/types/rig_alignment.hpp"
 #include "worker/types/track.hpp"
 
 namespace divemesh::pipeline {
@@ -15,6 +16,12 @@ namespace divemesh::pipeline {
 // dive, options, version). load returns nullopt if the file is missing, cut short or has another
 // key; the stage then runs again. Files are written to a temporary name and renamed. save throws
 // Error{OutOfSpace}.
+void save_rig_alignment(const std::filesystem::path& file,
+                        const std::string& key,
+                        const types::RigAlignment& alignment);
+std::optional<types::RigAlignment> load_rig_alignment(const std::filesystem::path& file,
+                                                      const std::string& key);
+
 void save_track(const std::filesystem::path& file,
                 const std::string& key,
                 const types::Track& track);

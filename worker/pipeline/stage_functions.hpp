@@ -9,6 +9,12 @@
 // stage. worker/pipeline/stage.hpp specifies load, run, save and finish.
 namespace divemesh::pipeline {
 
+// The position of the right camera as the images tell it; all later stages use it.
+bool load_align(Reconstruction& made, const std::string& key);
+void run_align(Reconstruction& made, const base::ProgressCallback& progress);
+void save_align(Reconstruction& made, const std::string& key);
+void finish_align(Reconstruction& made);
+
 // Steps 1 to 6 over all frames.
 bool load_track(Reconstruction& made, const std::string& key);
 void run_track(Reconstruction& made, const base::ProgressCallback& progress);

@@ -13,7 +13,7 @@ bool load_track(Reconstruction& made, const std::string& key) {
 
 void run_track(Reconstruction& made, const base::ProgressCallback& progress) {
     made.keyframe_store.clear();
-    made.track = track(made.dive, made.options(), made.keyframe_store, progress);
+    made.track = track(made.recording, made.options(), made.keyframe_store, progress);
 }
 
 void save_track(Reconstruction& made, const std::string& key) {

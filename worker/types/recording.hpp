@@ -59,6 +59,9 @@ public:
     // Returns the next pair that decodes; nullopt at the end. Frames that do not decode are
     // skipped, counted and reported as a finding. Not thread-safe.
     virtual std::optional<StereoFrame> next_frame() = 0;
+    // Returns the pair of an index, whatever next_frame() returned; nullopt if it does not decode.
+    // Thread-safe.
+    virtual std::optional<StereoFrame> frame(int index) const = 0;
     // Returns the left image of a frame that next_frame() returned, 8 bit BGR; of a grey dive with
     // three equal channels. It is decoded on demand, as most frames are never needed in colour.
     // Thread-safe.

@@ -167,10 +167,10 @@ TEST_F(ReconstructDiveTest, ARunStartsWhereItDiffersFromAnEarlierOne) {
 
     using Names = std::set<std::string>;
     EXPECT_EQ(reused(reconstruct("again", plain)),
-              (Names{"track", "optimise", "fuse", "mesh", "texture"}));
-    EXPECT_EQ(reused(reconstruct("coarse", coarse)), (Names{"track", "optimise"}));
-    EXPECT_EQ(reused(reconstruct("meshed", meshed)), (Names{"track", "optimise", "fuse"}));
-    EXPECT_EQ(reused(reconstruct("stated", stated)), (Names{"track"}));
+              (Names{"align", "track", "optimise", "fuse", "mesh", "texture"}));
+    EXPECT_EQ(reused(reconstruct("coarse", coarse)), (Names{"align", "track", "optimise"}));
+    EXPECT_EQ(reused(reconstruct("meshed", meshed)), (Names{"align", "track", "optimise", "fuse"}));
+    EXPECT_EQ(reused(reconstruct("stated", stated)), (Names{"align", "track"}));
 
     expect_same_files("first", "again");
     expect_same_files("fresh-coarse", "coarse");
@@ -185,7 +185,7 @@ TEST_F(ReconstructDiveTest, AnAttemptGoesOnFromWhatTheOneBeforeLeftInItsScratchF
     fs::remove(folder_ / "again-scratch/mesh.stage");
 
     EXPECT_EQ(reused(reconstruct("again", options)),
-              (std::set<std::string>{"track", "optimise", "fuse", "texture"}));
+              (std::set<std::string>{"align", "track", "optimise", "fuse", "texture"}));
 
     expect_same_files("first", "again");
 }
@@ -230,8 +230,9 @@ TEST_F(ReconstructDiveTest, AStageMoreAndAStoreOfBlobsMakeTheSameFiles) {
     };
 
     EXPECT_TRUE(reused(counted("first")).empty());
-    EXPECT_EQ(reused(counted("again")),
-              (std::set<std::string>{"track", "optimise", "fuse", "mesh", "count", "texture"}));
+    EXPECT_EQ(
+        reused(counted("again")),
+        (std::set<std::string>{"align", "track", "optimise", "fuse", "mesh", "count", "texture"}));
 
     for (const char* name : {"first", "again"}) {
         expect_same_files("plain", name);

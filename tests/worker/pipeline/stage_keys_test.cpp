@@ -113,6 +113,7 @@ TEST(StageKeysTest, ExportsChangeNothingThatIsKept) {
 // The first stage that runs again if an option of the standard table changes, for each option.
 TEST(StageKeysTest, EveryOptionIsFirstReadByTheStageThatNamesIt) {
     const std::map<std::string, std::pair<nlohmann::json, std::string>> others = {
+        {"align_cameras", {false, "align"}},
         {"stereo", {"block", "track"}},
         {"num_disparities_px", {64, "track"}},
         {"num_features", {400, "track"}},

@@ -19,6 +19,7 @@
 #include "worker/attempt/attempt_protocol.hpp"
 #include "worker/compare/compare.hpp"
 #include "worker/dive/intake.hpp"
+#include "worker/pipeline/align_cameras.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/report/accuracy_report.hpp"
 #include "worker/report/truth_check.hpp"
@@ -130,7 +131,8 @@ void wait_once(const fs::path& marker, const base::ProgressCallback& progress) {
 
 dive::IntakeReport dive::examine_dive(const fs::path&,
                                       const fs::path&,
-                                      const base::ProgressCallback& progress) {
+                                      const base::ProgressCallback& progress,
+                                      const dive::RecordingCheck&) {
     progress({.stage = "intake", .fraction = 1.0});
     return {.findings = {{.severity = Severity::Info, .code = "fake"}},
             .name = "fake",
@@ -138,6 +140,11 @@ dive::IntakeReport dive::examine_dive(const fs::path&,
             .num_frames = 2,
             .duration_s = 0.1,
             .thumbnail_jpeg = "jpeg"};
+}
+
+std::vector<Finding> pipeline::check_cameras(const types::Recording&,
+                                             const base::ProgressCallback&) {
+    return {};
 }
 
 nlohmann::json pipeline::reconstruct_dive(const pipeline::ReconstructionRequest& request,

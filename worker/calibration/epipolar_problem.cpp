@@ -1,0 +1,167 @@
+#include "worker/calibration/epipolar_problem.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/base/rotation_vector.hpp"
+#include "worker/camera/rectified_lens.hpp"
+
+namespace divemesh::calibration {
+namespace {
+
+constexpr int kNumSteps = 12;
+constexpr int kNumPlainSteps = 3;  // at equal weights, to come near enough for the robust ones
+constexpr double kSigmaOfMad = 1.4826;
+constexpr double kMinError_px = 0.05;
+constexpr double kTukey = 4.685;
+// How far a rig may have been knocked: a degree, and a millimetre of a baseline of 120 mm.
+constexpr double kRotationSigma_rad = 0.0175;
+constexpr double kBaselineSigma_rad = 0.0087;
+constexpr double kCentreSigma_px = 1.0;  // rows do not tell it
+constexpr double kFocalSigma = 0.003;    // difference of the cameras, as calibrations leave it
+// Each lens term at the border of the image: as real rigs have them, and as the best have.
+constexpr double kMaxLensSigma_px = 0.3;
+constexpr double kMinLensSigma_px = 0.01;
+constexpr int kNumLensRounds = 3;
+
+EpipolarUnknowns prior_sigmas(double lens_sigma_px) {
+    EpipolarUnknowns sigmas;
+    sigmas << Eigen::Vector3d::Constant(kRotationSigma_rad),
+        Eigen::Vector2d::Constant(kBaselineSigma_rad), kFocalSigma, kCentreSigma_px,
+        LensTerms::Constant(lens_sigma_px);
+    return sigmas;
+}
+
+Eigen::Vector3d by_focal(const types::RectifiedRig& rig,
+                         const camera::RectifiedLens& lens,
+                         const Eigen::Vector2d& right_px) {
+    const Eigen::Vector2d shift_px = camera::shift_of_change(rig, lens, right_px).col(0);
+    return {shift_px.x() / rig.focal_px, shift_px.y() / rig.focal_px, 0.0};
+}
+
+LensTerms lens_terms(const types::RectifiedRig& rig, const Eigen::Vector2d& right_px) {
+    const double u = 2.0 * right_px.x() / rig.width_px - 1.0;
+    const double v = 2.0 * right_px.y() / rig.height_px - 1.0;
+    LensTerms terms;
+    terms << u * u, u * v, v * v, u * u * u, u * u * v, u * v * v, v * v * v;
+    return terms;
+}
+
+double robust_sigma(const std::vector<double>& errors) {
+    std::vector<double> sizes(errors.size());
+    std::ranges::transform(errors, sizes.begin(), [](double error) { return std::abs(error); });
+    const auto middle = sizes.begin() + std::ssize(sizes) / 2;
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    return std::max(kMinError_px, kSigmaOfMad * *middle);
+}
+
+double tukey_weight(double error, double sigma) {
+    const double share = error / (kTukey * sigma);
+    const double rest = std::max(0.0, 1.0 - share * share);
+    return rest * rest;
+}
+
+}  // namespace
+
+EpipolarProblem::EpipolarProblem(const types::Rig& rig,
+                                 const types::RectifiedRig& rectified,
+                                 const types::StereoMatches& matches)
+    : focal_px_(rectified.focal_px) {
+    const camera::RectifiedLens right = camera::rectified_lenses(rig)[1];
+    R_rectified_right_ = right.R_camera_rectified.transpose();
+    samples_.reserve(matches.size());
+    for (const types::StereoMatch& match : matches)
+        samples_.push_back({match.frame_index,
+                            rectified.point_cam(match.left_px.x(), match.left_px.y(), 1.0),
+                            rectified.point_cam(match.right_px.x(), match.right_px.y(), 1.0),
+                            by_focal(rectified, right, match.right_px),
+                            lens_terms(rectified, match.right_px)});
+}
+
+EpipolarProblem::Residual EpipolarProblem::residual(const Sample& sample,
+                                                    const EpipolarUnknowns& values) const {
+    const Eigen::Matrix3d R =
+        base::rotation_from_vector(R_rectified_right_ * values.head<3>()).toRotationMatrix();
+    const Eigen::Vector3d baseline(1.0, values[3], values[4]);
+    const Eigen::Vector3d right = R * (sample.right_ray - values[5] * sample.right_by_focal);
+    const Eigen::Vector3d across = sample.left_ray.cross(right);
+    const Eigen::Vector3d normal = baseline.cross(sample.left_ray);
+    Residual result;
+    result.error_px =
+        focal_px_ * baseline.dot(across) - sample.lens_terms.dot(values.tail<kNumLensTerms>());
+    result.gradient << focal_px_ * R_rectified_right_.transpose() * right.cross(normal),
+        focal_px_ * across.tail<2>(), -focal_px_ * normal.dot(R * sample.right_by_focal), 0.0,
+        -sample.lens_terms;
+    return result;
+}
+
+std::vector<double> EpipolarProblem::errors_px(const EpipolarUnknowns& values) const {
+    std::vector<double> errors;
+    errors.reserve(samples_.size());
+    for (const Sample& sample : samples_) errors.push_back(residual(sample, values).error_px);
+    return errors;
+}
+
+EpipolarProblem::NormalEquations EpipolarProblem::equations(
+    const EpipolarSolution& at, const Held& held, const EpipolarUnknowns& prior_sigmas) const {
+    NormalEquations result;
+    EpipolarUnknowns of_pair = EpipolarUnknowns::Zero();
+    for (std::size_t i = 0; i < samples_.size(); ++i) {
+        Residual found = residual(samples_[i], at.values);
+        for (int k = 0; k < kNumEpipolarUnknowns; ++k)
+            if (held[static_cast<std::size_t>(k)]) found.gradient[k] = 0.0;
+        const double weight = at.weights[i] / (at.error_px * at.error_px);
+        result.information += weight * found.gradient * found.gradient.transpose();
+        of_pair += weight * found.error_px * found.gradient;
+        if (i + 1 < samples_.size() && samples_[i + 1].frame_index == samples_[i].frame_index)
+            continue;
+        result.gradient += of_pair;
+        result.between_pairs += of_pair * of_pair.transpose();
+        of_pair.setZero();
+    }
+    const EpipolarUnknowns prior = prior_sigmas.cwiseAbs2().cwiseInverse();
+    result.information.diagonal() += prior;
+    result.gradient += prior.cwiseProduct(at.values);
+    return result;
+}
+
+EpipolarSolution EpipolarProblem::solve(const Held& held) const {
+    double lens_sigma_px = kMaxLensSigma_px;
+    EpipolarSolution solution = solve(held, lens_sigma_px);
+    for (int round = 1; round < kNumLensRounds; ++round) {
+        const double found_px =
+            solution.values.tail<kNumLensTerms>().norm() / std::sqrt(kNumLensTerms);
+        lens_sigma_px = std::clamp(found_px, kMinLensSigma_px, kMaxLensSigma_px);
+        solution = solve(held, lens_sigma_px);
+    }
+    return solution;
+}
+
+EpipolarSolution EpipolarProblem::solve(const Held& held, double lens_sigma_px) const {
+    const EpipolarUnknowns prior = prior_sigmas(lens_sigma_px);
+    EpipolarSolution solution;
+    solution.weights.assign(samples_.size(), 1.0);
+    solution.error_px = 1.0;
+    for (int step = 0; step < kNumSteps; ++step) {
+        const NormalEquations normal = equations(solution, held, prior);
+        solution.values -= normal.information.ldlt().solve(normal.gradient);
+        const std::vector<double> errors = errors_px(solution.values);
+        solution.error_px = robust_sigma(errors);
+        if (step < kNumPlainSteps) continue;
+        std::ranges::transform(errors, solution.weights.begin(), [&](double error) {
+            return tukey_weight(error, solution.error_px);
+        });
+    }
+    const NormalEquations last = equations(solution, held, prior);
+    const EpipolarCovariance inverse = last.information.inverse();
+    solution.covariance = inverse + inverse * last.between_pairs * inverse;
+    for (int k = 0; k < kNumEpipolarUnknowns; ++k) {
+        if (!held[static_cast<std::size_t>(k)]) continue;
+        solution.covariance.row(k).setZero();
+        solution.covariance.col(k).setZero();
+    }
+    return solution;
+}
+
+}  // namespace divemesh::calibration

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "worker/calibration/range_problem.hpp"
+#include "worker/types/rectified_rig.hpp"
+#include "worker/types/rig.hpp"
+#include "worker/types/rig_alignment.hpp"
+#include "worker/types/stereo_match.hpp"
+
+namespace divemesh::calibration {
+
+// Returns how the right camera stands against the left one by rows, from matches of pairs that were
+// rectified with the stated calibration; those of a pair must follow each other. The length of the
+// baseline stays as stated: images alone do not tell it. Pitch, roll, direction of the baseline and
+// focal length are estimated where they are significant. An outcome `Moved` says that the change is
+// large enough to matter.
+types::RigAlignment estimate_rig_alignment(const types::Rig& rig,
+                                           const types::RectifiedRig& rectified,
+                                           const types::StereoMatches& matches);
+
+// The expected values of what bends ranges, after careful calibrations, and their sigmas.
+RangeUnknowns expected_ranges();
+RangeUnknowns expected_range_sigmas();
+
+// Adds yaw and principal point of the right camera to the alignment, if ranges of windows rectified
+// with it tell that all disparities are off: significant, and large enough to matter for the scale.
+// `rectified` is what the windows were rectified to.
+void add_ranges(const types::Rig& rig,
+                const types::RectifiedRig& rectified,
+                const RangeSolution& ranges,
+                types::RigAlignment& alignment);
+
+// Returns the rig with the right camera moved; the left one stays where it is on the body.
+types::Rig changed_rig(const types::Rig& rig, const types::RigChange& change);
+
+}  // namespace divemesh::calibration

@@ -1,0 +1,29 @@
+#include "worker/calibration/stereo_alignment.hpp"
+#include "worker/pipeline/align_cameras.hpp"
+#include "worker/pipeline/stage_files.hpp"
+#include "worker/pipeline/stage_functions.hpp"
+
+namespace divemesh::pipeline {
+
+bool load_align(Reconstruction& made, const std::string& key) {
+    const auto stored = load_rig_alignment(made.scratch("align.stage"), key);
+    if (stored) made.alignment = *stored;
+    return stored.has_value();
+}
+
+void run_align(Reconstruction& made, const base::ProgressCallback& progress) {
+    made.alignment = align_cameras(made.dive, made.options().num_threads, progress);
+    made.alignment.applied = made.options().align_cameras &&
+                             made.alignment.outcome == types::RigAlignment::Outcome::Moved;
+}
+
+void save_align(Reconstruction& made, const std::string& key) {
+    save_rig_alignment(made.scratch("align.stage"), key, made.alignment);
+}
+
+void finish_align(Reconstruction& made) {
+    if (made.alignment.applied)
+        made.set_rig(calibration::changed_rig(made.dive.rig(), made.alignment.change));
+}
+
+}  // namespace divemesh::pipeline

@@ -1,0 +1,112 @@
+#include "worker/pipeline/range_windows.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "worker/base/parallel.hpp"
+#include "worker/features/match_sparse_stereo.hpp"
+#include "worker/odometry/frame_features.hpp"
+#include "worker/odometry/register_points.hpp"
+
+namespace divemesh::pipeline {
+namespace {
+
+constexpr double kDuration_s = 0.5;
+constexpr int kMaxSteps = 15;
+constexpr int kNumFeatures = 300;
+constexpr double kTolerance_px = 4.0;  // ranges are not right yet
+constexpr std::uint64_t kSeed = 24;
+
+// Returns the number of frames in kDuration_s, at least 1.
+int steps_of(const types::Recording& recording) {
+    const auto first = recording.frame(0);
+    const auto last = recording.frame(recording.num_frames() - 1);
+    if (!first || !last) return 1;
+    const double duration_s = 1e-9 * static_cast<double>(last->timestamp_ns - first->timestamp_ns);
+    const double rate = (recording.num_frames() - 1) / std::max(1e-3, duration_s);
+    return std::clamp(static_cast<int>(std::lround(kDuration_s * rate)), 1, kMaxSteps);
+}
+
+// The features of a window, tracked from frame to frame.
+class WindowFeatures {
+public:
+    explicit WindowFeatures(const types::RectifiedRig& rig)
+        : rig_(rig), num_disparities_px_(rig.width_px / 3), tracker_(rig, kNumFeatures) {}
+
+    void start(const types::RectifiedFrame& frame) {
+        tracker_.track(frame.left, {}, Eigen::Isometry3d::Identity());
+        odometry::add_new_features(rig_, frame, {}, num_disparities_px_, tracker_, features_);
+        first_ = features_;
+    }
+
+    // Returns false if too few features agree on a motion.
+    bool step(const types::RectifiedFrame& frame) {
+        const types::Features previous = std::move(features_);
+        features_ = tracker_.track(frame.left, previous, motion_);
+        features::match_sparse_stereo(frame, {}, num_disparities_px_, features_);
+        const odometry::Registration motion = registered(previous);
+        motion_ = motion.T_current_previous;
+        return motion.found;
+    }
+
+    calibration::RangeWindow window() const {
+        calibration::RangeWindow result;
+        const odometry::Registration motion = registered(first_);
+        if (!motion.found) return result;
+        result.T_after_before = motion.T_current_previous;
+        for (const odometry::PointPair& pair : motion.inliers)
+            result.matches.push_back({pair.previous_px, pair.current_px});
+        return result;
+    }
+
+private:
+    odometry::Registration registered(const types::Features& earlier) const {
+        return odometry::register_points(
+            rig_,
+            odometry::with_depth_at_both_times(rig_, earlier, features_),
+            kTolerance_px,
+            kSeed);
+    }
+
+    types::RectifiedRig rig_;
+    int num_disparities_px_;
+    features::FeatureTracker tracker_;
+    types::Features first_;
+    types::Features features_;
+    Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity();  // of the last step
+};
+
+calibration::RangeWindow track_window(const types::Recording& recording,
+                                      const camera::Rectifier& rectifier,
+                                      int first_frame,
+                                      int num_steps) {
+    WindowFeatures features(rectifier.rig());
+    for (int i = 0; i <= num_steps; ++i) {
+        const auto frame = recording.frame(first_frame + i);
+        if (!frame) return {};
+        const types::RectifiedFrame rectified = rectifier.rectify(*frame);
+        if (i == 0)
+            features.start(rectified);
+        else if (!features.step(rectified))
+            return {};
+    }
+    return features.window();
+}
+
+}  // namespace
+
+std::vector<calibration::RangeWindow> track_windows(const types::Recording& recording,
+                                                    const camera::Rectifier& rectifier,
+                                                    const std::vector<int>& first_frames,
+                                                    int num_threads) {
+    const int num_steps = steps_of(recording);
+    std::vector<calibration::RangeWindow> windows(first_frames.size());
+    base::for_each_index(num_threads, windows.size(), [&](std::size_t i) {
+        if (first_frames[i] + num_steps < recording.num_frames())
+            windows[i] = track_window(recording, rectifier, first_frames[i], num_steps);
+    });
+    return windows;
+}
+
+}  // namespace divemesh::pipeline

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "worker/calibration/range_problem.hpp"
+#include "worker/camera/rectifier.hpp"
+#include "worker/types/recording.hpp"
+
+namespace divemesh::pipeline {
+
+// Returns features tracked for half a second from each of these frames on, with disparity at both
+// ends, by steps 1 to 4 of the paper. A window in which too few features agree on a motion has no
+// matches.
+std::vector<calibration::RangeWindow> track_windows(const types::Recording& recording,
+                                                    const camera::Rectifier& rectifier,
+                                                    const std::vector<int>& first_frames,
+                                                    int num_threads);
+
+}  // namespace divemesh::pipeline

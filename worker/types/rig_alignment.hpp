@@ -1,0 +1,58 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+
+namespace divemesh::types {
+
+// How the right camera really stands against the left one, as a change of the stated calibration.
+struct RigChange {
+    static constexpr int kPitch = 0;  // rad, rotation of the right camera about its own axes
+    static constexpr int kYaw = 1;
+    static constexpr int kRoll = 2;
+    static constexpr int kDown = 3;  // rad, direction of the baseline in the rectified left camera
+    static constexpr int kForward = 4;
+    static constexpr int kFocal = 5;   // focal length of the right camera, relative
+    static constexpr int kCentre = 6;  // principal point of the right camera, px to the right
+    static constexpr int kSize = 7;
+    using Vector = Eigen::Matrix<double, kSize, 1>;
+
+    Vector values = Vector::Zero();
+};
+
+// What the images of a dive tell of the position of the right camera.
+struct RigAlignment {
+    enum class Outcome : std::uint8_t {
+        Unknown,       // too few points were found in both images
+        Inconsistent,  // the points agree on no position of the cameras
+        AsStated,      // the stated calibration fits
+        Moved          // another position fits better
+    };
+
+    Outcome outcome = Outcome::Unknown;
+    bool applied = false;  // the dive is rectified with the change
+    std::int32_t num_pairs = 0;
+    std::int32_t num_matches = 0;
+    std::int32_t num_inliers = 0;
+    RigChange change;  // as estimated; 0 where the images do not tell it from the stated value
+    RigChange::Vector sigmas = RigChange::Vector::Zero();  // 0: held at the stated value
+    double row_shift_px = 0.0;   // RMS over the points, of what the change does to their rows
+    double row_error_px = 0.0;   // of a point after the change: robust standard deviation
+    double pair_error_px = 0.0;  // of the mean row of a pair after the change, RMS over the pairs
+    // Of ranges that have to agree from view to view:
+    std::int32_t num_windows = 0;          // short tracks of features that were used
+    double disparity_bias_px = 0.0;        // by which stated disparities are too large
+    double disparity_bias_sigma_px = 0.0;  // 0: unknown
+
+    bool moves_disparities() const {
+        return sigmas[RigChange::kYaw] > 0.0 || sigmas[RigChange::kCentre] > 0.0;
+    }
+    // Returns how far the change moves the images, px.
+    double shift_px() const {
+        return std::max(row_shift_px, moves_disparities() ? std::abs(disparity_bias_px) : 0.0);
+    }
+};
+
+}  // namespace divemesh::types
