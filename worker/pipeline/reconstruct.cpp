@@ -35,7 +35,7 @@ types::Track track(types::Recording& recording,
     types::Track result = options.estimator == "pairwise"
                               ? track_pairwise(recording, options, store, progress)
                               : track_window(recording, options, store, progress);
-    bridge_by_imu(imu::InertialPrior(recording, options), result);
+    bridge_by_imu(imu::InertialPrior(recording, options, result.left_out), result);
     result.breaks_ns = breaks_of(result);
     drop_unmeasured_keyframes(result);
     return result;
