@@ -11,7 +11,7 @@
 #include "cli/text.hpp"
 #include "schemas/json.hpp"
 #include "worker/dive/intake.hpp"
-#include "worker/pipeline/align_cameras.hpp"
+#include "worker/pipeline/check_cameras.hpp"
 
 namespace divemesh::cli {
 namespace {

@@ -19,7 +19,7 @@
 #include "worker/attempt/forbid_processes.hpp"
 #include "worker/compare/compare.hpp"
 #include "worker/dive/intake.hpp"
-#include "worker/pipeline/align_cameras.hpp"
+#include "worker/pipeline/check_cameras.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/report/accuracy_report.hpp"
 #include "worker/report/truth_check.hpp"

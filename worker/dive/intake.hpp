@@ -8,7 +8,10 @@
 
 #include "schemas/finding.hpp"
 #include "worker/base/observer.hpp"
-#include "worker/types/recording.hpp"
+
+namespace divemesh::types {
+class Recording;
+}
 
 namespace divemesh::dive {
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 
-#include "schemas/error.hpp"
 #include "worker/base/parallel.hpp"
 #include "worker/base/text.hpp"
 #include "worker/calibration/stereo_alignment.hpp"
@@ -223,16 +222,6 @@ std::vector<Finding> alignment_findings(const types::RigAlignment& alignment) {
     if (alignment.outcome == Outcome::Moved && alignment.shift_px() >= kTold_px)
         return {moved_finding(alignment)};
     return {};
-}
-
-std::vector<Finding> check_cameras(const types::Recording& recording,
-                                   const base::ProgressCallback& progress) {
-    try {
-        return alignment_findings(align_cameras(recording, 0, progress));
-    } catch (const Error& error) {
-        if (error.code() != ErrorCode::BadData) throw;
-        return {};
-    }
 }
 
 }  // namespace divemesh::pipeline

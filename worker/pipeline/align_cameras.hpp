@@ -19,9 +19,4 @@ types::RigAlignment align_cameras(const types::Recording& recording,
 // Returns what a user must know of it: nothing when the stated calibration fits.
 std::vector<Finding> alignment_findings(const types::RigAlignment& alignment);
 
-// The check of an intake: align_cameras() with findings alone. Cameras that cannot be rectified
-// have none.
-std::vector<Finding> check_cameras(const types::Recording& recording,
-                                   const base::ProgressCallback& progress);
-
 }  // namespace divemesh::pipeline
