@@ -126,6 +126,24 @@ void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {
     file.flag(calibration.lenses_applied);
 }
 
+void fields(auto& file, Is<types::RigAlignment> auto& alignment) {
+    file.plain(alignment.outcome);
+    file.flag(alignment.applied);
+    for (auto* num : {&alignment.num_pairs,
+                      &alignment.num_matches,
+                      &alignment.num_inliers,
+                      &alignment.num_windows})
+        file.plain(*num);
+    file.raw(alignment.change.values);
+    file.raw(alignment.sigmas);
+    for (auto* value : {&alignment.row_shift_px,
+                        &alignment.row_error_px,
+                        &alignment.pair_error_px,
+                        &alignment.disparity_bias_px,
+                        &alignment.disparity_bias_sigma_px})
+        file.plain(*value);
+}
+
 void fields(auto& file, Is<types::Track> auto& track) {
     fields(file, track.rig);
     file.list(track.causal);
@@ -193,45 +211,12 @@ std::optional<T> load(const std::filesystem::path& path, const std::string& key)
 void save_rig_alignment(const std::filesystem::path& path,
                         const std::string& key,
                         const types::RigAlignment& alignment) {
-    base::BinaryWriter file(path);
-    file.put_text(key);
-    file.put(alignment.outcome);
-    file.put(static_cast<std::uint8_t>(alignment.applied));
-    for (const std::int32_t num :
-         {alignment.num_pairs, alignment.num_matches, alignment.num_inliers, alignment.num_windows})
-        file.put(num);
-    file.put_raw(alignment.change.values);
-    file.put_raw(alignment.sigmas);
-    for (const double value : {alignment.row_shift_px,
-                               alignment.row_error_px,
-                               alignment.pair_error_px,
-                               alignment.disparity_bias_px,
-                               alignment.disparity_bias_sigma_px})
-        file.put(value);
-    file.commit();
+    save(path, key, alignment);
 }
 
 std::optional<types::RigAlignment> load_rig_alignment(const std::filesystem::path& path,
                                                       const std::string& key) {
-    auto file = open_stage(path, key);
-    if (!file) return std::nullopt;
-    types::RigAlignment alignment;
-    alignment.outcome = file->get<types::RigAlignment::Outcome>();
-    alignment.applied = file->get<std::uint8_t>() != 0;
-    for (std::int32_t* num : {&alignment.num_pairs,
-                              &alignment.num_matches,
-                              &alignment.num_inliers,
-                              &alignment.num_windows})
-        *num = file->get<std::int32_t>();
-    alignment.change.values = file->get<types::RigChange::Vector>();
-    alignment.sigmas = file->get<types::RigChange::Vector>();
-    for (double* value : {&alignment.row_shift_px,
-                          &alignment.row_error_px,
-                          &alignment.pair_error_px,
-                          &alignment.disparity_bias_px,
-                          &alignment.disparity_bias_sigma_px})
-        *value = file->get<double>();
-    return complete(*file, alignment);
+    return load<types::RigAlignment>(path, key);
 }
 
 void save_track(const std::filesystem::path& path,
