@@ -53,9 +53,10 @@ bool well_supported(const types::RectifiedRig& rig,
     const std::size_t num = motion.inliers.size();
     if (!motion.found || num_cells(rig, motion.inliers) < kMinCells) return false;
     const bool most_agree = share(num, motion.num_pairs) >= kMinShareOfPairs;
+    if (!most_agree) return false;
     if (median_error_px(rig, motion.inliers, expected) < kNearPrediction_px)
-        return num >= kMinSupport || (num >= kMinSupportNearPrediction && most_agree);
-    return num >= kMinSupport && most_agree && share(num, num_previous) >= kMinShareOfPrevious;
+        return num >= kMinSupportNearPrediction;
+    return num >= kMinSupport && share(num, num_previous) >= kMinShareOfPrevious;
 }
 
 bool explained_by_chance(const types::RectifiedRig& rig,

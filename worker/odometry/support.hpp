@@ -12,10 +12,10 @@ namespace divemesh::odometry {
 std::size_t num_cells(const types::RectifiedRig& rig, const PointPairs& pairs);
 
 // Returns true if a motion found by tracking from the prediction `expected` needs no confirmation:
-// its inliers are spread over the image, and they are enough if it is the predicted motion within
-// some pixels. Another motion must hold for most pairs and for a good part of the `num_previous`
-// features that the previous frame had with depth: features that moved farther may have been taken
-// for their neighbours where the texture repeats, all in the same way.
+// most pairs agree on it, spread over the image, and they are enough if it is the predicted motion
+// within some pixels. Another motion must hold for a good part of the `num_previous` features that
+// the previous frame had with depth: features that moved farther may have been taken for their
+// neighbours where the texture repeats, all in the same way.
 bool well_supported(const types::RectifiedRig& rig,
                     const Registration& motion,
                     std::size_t num_previous,
