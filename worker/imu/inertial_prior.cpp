@@ -211,10 +211,13 @@ void InertialPrior::learn_bias(std::int64_t from_ns,
     bias_sigma_ = std::sqrt((1.0 - gain) * variance);
 }
 
-void InertialPrior::learn_bias_at_rest(std::int64_t from_ns, std::int64_t to_ns) {
+void InertialPrior::learn_bias_at_rest(std::int64_t from_ns,
+                                       std::int64_t to_ns,
+                                       const Eigen::Quaterniond& seen) {
     const auto gyroscope = integral(from_ns, to_ns);
     if (!gyroscope) return;
-    bias_.gyroscope += base::vector_from_rotation(gyroscope->q_from_to) / gyroscope->duration_s;
+    bias_.gyroscope +=
+        base::vector_from_rotation(seen.conjugate() * gyroscope->q_from_to) / gyroscope->duration_s;
     bias_sigma_ =
         std::hypot(gyroscope->sigma_rad, kVisionRotationSigma_rad) / gyroscope->duration_s;
 }

@@ -78,9 +78,11 @@ public:
 
     // Updates the gyroscope bias, given the rotation `seen` from vision over the interval.
     void learn_bias(std::int64_t from_ns, std::int64_t to_ns, const Eigen::Quaterniond& seen);
-    // Sets the gyroscope bias to the mean rate while the rig rests; not over more than eight
-    // seconds.
-    void learn_bias_at_rest(std::int64_t from_ns, std::int64_t to_ns);
+    // Sets the gyroscope bias to its mean error over some seconds, at most eight, in which the rig
+    // hardly moved: the rotation `seen` from vision has the noise of one pose alone.
+    void learn_bias_at_rest(std::int64_t from_ns,
+                            std::int64_t to_ns,
+                            const Eigen::Quaterniond& seen);
     void set_bias(const ImuBias& bias, double gyroscope_sigma);
     const ImuBias& bias() const { return bias_; }
     // Returns the noise on a diver: white noise larger than the data sheet's.

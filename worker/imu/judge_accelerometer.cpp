@@ -8,9 +8,11 @@
 namespace divemesh::imu {
 namespace {
 
-constexpr std::int64_t kSecond_ns = 1'000'000'000;
-constexpr std::size_t kMinForces = 6;
-constexpr std::size_t kMaxForces = 30;
+constexpr std::int64_t kSpan_ns = 500'000'000;
+constexpr std::size_t kMinForces = 10;
+constexpr std::size_t kMaxForces = 60;
+// Of slower frames the velocities at their times are not known.
+constexpr std::int64_t kMaxInterval_ns = 300'000'000;
 
 Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& vectors) {
     Eigen::Vector3d result;
@@ -28,7 +30,7 @@ void GravityByVision::start(const VisionMotion& motion) {
     started_ = true;
     q_first_body_ = Eigen::Quaterniond::Identity();
     forces_.clear();
-    second_began_ns_ = motion.from_ns;
+    span_began_ns_ = motion.from_ns;
     integral_.setZero();
     velocity_at_begin_ = motion.T_from_to.translation() /
                          (1e-9 * static_cast<double>(motion.to_ns - motion.from_ns));
@@ -37,7 +39,7 @@ void GravityByVision::start(const VisionMotion& motion) {
 void GravityByVision::add(const VisionMotion& motion) {
     const auto preintegrated = preintegrate(samples_, motion.from_ns, motion.to_ns, {}, {});
     const auto* by_imu = std::get_if<PreintegratedImu>(&preintegrated);
-    if (!by_imu) {
+    if (!by_imu || motion.to_ns - motion.from_ns > kMaxInterval_ns) {
         started_ = false;
         return;
     }
@@ -46,19 +48,19 @@ void GravityByVision::add(const VisionMotion& motion) {
     const double dt_s = 1e-9 * static_cast<double>(motion.to_ns - motion.from_ns);
     const Eigen::Vector3d velocity = q_first_body_ * motion.T_from_to.translation() / dt_s;
     // The velocity at a frame is the mean of those before and after.
-    if (follows && motion.from_ns - second_began_ns_ >= kSecond_ns)
-        finish_second(0.5 * (last_velocity_ + velocity), motion.from_ns);
+    if (follows && motion.from_ns - span_began_ns_ >= kSpan_ns)
+        finish_span(0.5 * (last_velocity_ + velocity), motion.from_ns);
     integral_ += q_first_body_ * by_imu->delta_velocity;
     q_first_body_ = (q_first_body_ * Eigen::Quaterniond(motion.T_from_to.linear())).normalized();
     last_velocity_ = velocity;
     last_ns_ = motion.to_ns;
 }
 
-void GravityByVision::finish_second(const Eigen::Vector3d& velocity, std::int64_t now_ns) {
-    const double dt_s = 1e-9 * static_cast<double>(now_ns - second_began_ns_);
+void GravityByVision::finish_span(const Eigen::Vector3d& velocity, std::int64_t now_ns) {
+    const double dt_s = 1e-9 * static_cast<double>(now_ns - span_began_ns_);
     forces_.emplace_back((integral_ - (velocity - velocity_at_begin_)) / dt_s);
     if (forces_.size() > kMaxForces) forces_.erase(forces_.begin());
-    second_began_ns_ = now_ns;
+    span_began_ns_ = now_ns;
     velocity_at_begin_ = velocity;
     integral_.setZero();
 }

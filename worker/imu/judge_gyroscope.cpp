@@ -106,7 +106,8 @@ Eigen::Matrix3d nearby_rotation(const Moments& moments, const Eigen::Matrix3d& g
 // How well the gyroscope fits vision under one mounting.
 struct Fit {
     double offset_s = 0.0;
-    double unexplained = 1.0;  // share, of the worst axis
+    double unexplained = 1.0;     // share, of the worst axis
+    double residual_share = 1.0;  // of all axes, noise included: tells the better of two good fits
     double scale = 1.0;
     double rate_rad_s = 0.0;  // RMS about the axis with the most, of the larger of the two
 };
@@ -158,6 +159,8 @@ Fit fit_at(const Rates& rates, double offset_s, const Eigen::Matrix3d& given) {
                  moments.vision.diagonal().maxCoeff()));
     const double both = (mounting * moments.gyroscope_vision).trace();
     fit.scale = moments.gyroscope.trace() / std::max(both, 1e-12);
+    fit.residual_share = (moments.gyroscope.trace() + moments.vision.trace() - 2.0 * both) /
+                         std::max({moments.gyroscope.trace(), moments.vision.trace(), 1e-12});
     return fit;
 }
 
@@ -180,7 +183,7 @@ std::optional<Fit> best_fit(const GyroscopePath& path,
         const auto rates = rates_at(path, spans, offset_s);
         if (!rates) continue;
         const Fit fit = fit_at(*rates, offset_s, mounting);
-        if (!best || fit.unexplained < best->unexplained) best = fit;
+        if (!best || fit.residual_share < best->residual_share) best = fit;
     }
     return best;
 }

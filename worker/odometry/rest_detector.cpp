@@ -14,8 +14,7 @@ namespace {
 
 constexpr std::int64_t kMinRest_ns = 1'000'000'000;
 constexpr std::size_t kMinNumPairs = 30;
-// Median shift that no noise explains; larger ones need no test.
-constexpr double kMoved_px = 0.5;
+constexpr double kMoved_px = 1.0;  // median shift since the anchor
 // 99 % of a chi-squared variable with six degrees of freedom.
 constexpr double kMaxChiSquared = 16.8;
 // Of the features' noise as usually assumed. The noise of features that stay in place is measured;
@@ -50,28 +49,36 @@ double noise_of(const types::RectifiedRig& rig,
 std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
                                                      const types::Features& features,
                                                      const Eigen::Isometry3d& T_world_cam) {
-    if (anchor_.empty() || !stands_still(features)) {
+    const PointPairs pairs = with_depth_at_both_times(rig_, anchor_, features);
+    hardly_moves_ = hardly_moved(pairs);
+    if (!hardly_moves_) {
         anchor_ = features;
         anchor_ns_ = now_ns;
         T_world_anchor_ = T_world_cam;
         return std::nullopt;
     }
     if (now_ns - anchor_ns_ < kMinRest_ns) return std::nullopt;
-    return T_world_anchor_;
+    T_anchor_cam_ = significant_motion(pairs);
+    return T_world_anchor_ * T_anchor_cam_;
 }
 
-bool RestDetector::stands_still(const types::Features& features) const {
-    const PointPairs pairs = with_depth_at_both_times(rig_, anchor_, features);
-    if (pairs.size() < kMinNumPairs || median_shift_px(pairs) > kMoved_px) return false;
-    const Eigen::Isometry3d moved =
+bool RestDetector::hardly_moved(const PointPairs& pairs) const {
+    return pairs.size() >= kMinNumPairs && median_shift_px(pairs) < kMoved_px;
+}
+
+// Returns T_anchor_cam; the identity if noise explains the motion.
+Eigen::Isometry3d RestDetector::significant_motion(const PointPairs& pairs) const {
+    const Eigen::Isometry3d T_cam_anchor =
         refine_pose(rig_, pairs, {Eigen::Isometry3d::Identity(), std::nullopt, 0.0})
             .T_current_previous;
     Eigen::Matrix<double, 6, 1> motion;
-    motion << base::vector_from_rotation(Eigen::Quaterniond(moved.linear())), moved.translation();
-    const double noise = noise_of(rig_, pairs, moved);
+    motion << base::vector_from_rotation(Eigen::Quaterniond(T_cam_anchor.linear())),
+        T_cam_anchor.translation();
+    const double noise = noise_of(rig_, pairs, T_cam_anchor);
     const double chi_squared =
-        motion.dot(motion_covariance(rig_, pairs, moved).ldlt().solve(motion)) / (noise * noise);
-    return chi_squared < kMaxChiSquared;
+        motion.dot(motion_covariance(rig_, pairs, T_cam_anchor).ldlt().solve(motion)) /
+        (noise * noise);
+    return chi_squared < kMaxChiSquared ? Eigen::Isometry3d::Identity() : T_cam_anchor.inverse();
 }
 
 }  // namespace divemesh::odometry

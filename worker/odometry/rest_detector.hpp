@@ -10,32 +10,41 @@
 
 namespace divemesh::odometry {
 
-// Recognises a rig that stands still. Each frame is compared with an anchor, the first frame of the
-// rest, not with the frame before: however slowly the rig moves, its distance from the anchor grows
-// until it shows. So a rest hides no more motion than the noise of a single pose.
+// Recognises a rig that stands still or hardly moves. Each frame is compared with an anchor, the
+// first frame of the rest, not with the frame before: however slowly the rig moves, its distance
+// from the anchor grows until it shows. So a rest hides no more motion than the noise of a single
+// pose, and nothing accumulates while it lasts.
 class RestDetector {
 public:
     explicit RestDetector(const types::RectifiedRig& rig) : rig_(rig) {}
 
-    // Takes in the static features of a frame and its pose. Returns the pose of the rest,
-    // T_world_cam of the anchor, if the rig has stood still for at least a second; nullopt
-    // otherwise.
+    // Takes in the static features of a frame and its pose. Returns T_world_cam of a rig whose
+    // image has not moved by a pixel for at least a second: the anchor's pose, or, if the motion
+    // since the anchor is significant, that motion by vision alone. nullopt: the rig moves.
     std::optional<Eigen::Isometry3d> watch(std::int64_t now_ns,
                                            const types::Features& features,
                                            const Eigen::Isometry3d& T_world_cam);
     // Begins anew with the next frame: the map has changed, or sensors say that the rig moves.
     void restart() { anchor_.clear(); }
 
+    // Returns true if the last frame's image had hardly moved since an earlier frame, however
+    // recent.
+    bool hardly_moves() const { return hardly_moves_; }
     // Returns when the rest began. Valid while watch() returns a pose.
     std::int64_t began_ns() const { return anchor_ns_; }
+    // Returns the camera's rotation since then, likewise.
+    Eigen::Quaterniond q_anchor_cam() const { return Eigen::Quaterniond(T_anchor_cam_.linear()); }
 
 private:
-    bool stands_still(const types::Features& features) const;
+    bool hardly_moved(const PointPairs& pairs) const;
+    Eigen::Isometry3d significant_motion(const PointPairs& pairs) const;
 
     types::RectifiedRig rig_;
     types::Features anchor_;
     std::int64_t anchor_ns_ = 0;
+    bool hardly_moves_ = false;
     Eigen::Isometry3d T_world_anchor_ = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d T_anchor_cam_ = Eigen::Isometry3d::Identity();
 };
 
 }  // namespace divemesh::odometry

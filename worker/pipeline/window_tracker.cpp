@@ -27,7 +27,7 @@ constexpr std::size_t kFewFeatures = 60;
 // A rig that turns faster than one degree a second does not rest, whatever the images show.
 constexpr std::int64_t kTurnTime_ns = 500'000'000;
 constexpr double kTurned_rad = 0.01;
-constexpr std::int64_t kBiasTime_ns = 7'000'000'000;  // shorter than the IMU is integrated
+constexpr std::int64_t kBiasTime_ns = 7'000'000'000;  // later the sliding window knows it as well
 
 std::size_t num_with_depth(const types::Features& features) {
     return static_cast<std::size_t>(
@@ -219,7 +219,10 @@ bool WindowTracker::turns_by_gyroscope(std::int64_t now_ns) const {
 
 void WindowTracker::rest(std::int64_t now_ns) {
     motion_.rest();
-    inertial_.learn_bias_at_rest(std::max(rest_.began_ns(), now_ns - kBiasTime_ns), now_ns);
+    if (now_ns - rest_.began_ns() > kBiasTime_ns) return;
+    const Eigen::Quaterniond q_imu_cam(rig_.T_imu_cam.linear());
+    inertial_.learn_bias_at_rest(
+        rest_.began_ns(), now_ns, q_imu_cam * rest_.q_anchor_cam() * q_imu_cam.conjugate());
 }
 
 void WindowTracker::watch_sensors(const odometry::PointPairs& measured,
@@ -230,7 +233,7 @@ void WindowTracker::watch_sensors(const odometry::PointPairs& measured,
     if (!vision.found) return sensors_.lost_scene();
     const auto motion = odometry::motion_by_vision(rig_, measured, vision, before_ns, now_ns);
     if (!motion) return;
-    if (!map_.is_adjusted())
+    if (!map_.is_adjusted() && rest_.hardly_moves())
         inertial_.learn_bias(before_ns, now_ns, Eigen::Quaterniond(motion->T_from_to.linear()));
     if (options_.align_imu) aligner_.watch(*motion, inertial_);
     sensors_.watch(*motion, inertial_);

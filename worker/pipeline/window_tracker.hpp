@@ -58,12 +58,12 @@ private:
     std::optional<Observed> recognise(const types::RectifiedFrame& frame,
                                       const std::optional<types::KnownRotation>& rotation,
                                       const Eigen::Isometry3d& expected);
-    // Returns T_current_previous of a rig that stands still; nullopt if it moves.
+    // Returns T_current_previous of a rig that hardly moves; nullopt if it moves.
     std::optional<Eigen::Isometry3d> watch_rest(const odometry::Registration& vision,
                                                 const Eigen::Isometry3d& estimated,
                                                 std::int64_t now_ns);
     bool turns_by_gyroscope(std::int64_t now_ns) const;
-    // Uses that velocity and rotation are zero.
+    // Uses that the rig has hardly moved for some time.
     void rest(std::int64_t now_ns);
     // Compares the sensors with what vision measured.
     void watch_sensors(const odometry::PointPairs& measured,

@@ -25,8 +25,10 @@ Eigen::Isometry3d T_world_body(double t_s) {
 // at every `lost`-th frame.
 template <typename Wrong>
 std::optional<double> disagreement(const Wrong& wrong, int lost = kNumFrames) {
+    ImuBias bias;
+    bias.accelerometer << 0.08, -0.05, 0.1;
     std::vector<types::ImuSample> samples =
-        synthetic::imu_along(T_world_body, -0.5, 0.1 * kNumFrames + 0.5, {{}, {0.08, -0.05, 0.1}});
+        synthetic::imu_along(T_world_body, -0.5, 0.1 * kNumFrames + 0.5, bias);
     for (types::ImuSample& sample : samples) wrong(sample.acceleration_imu);
     GravityByVision gravity(samples);
     for (int k = 1; k <= kNumFrames; ++k) {
@@ -45,11 +47,11 @@ void as_measured(Eigen::Vector3d&) {}
 TEST(JudgeAccelerometerTest, ABiasedAccelerometerFits) {
     const auto found = disagreement(as_measured);
     ASSERT_TRUE(found);
-    EXPECT_LT(*found, 0.15);
+    EXPECT_LT(*found, 0.1);
 }
 
 TEST(JudgeAccelerometerTest, AReversedSignIsOnlyAnotherVertical) {
-    // The direction of gravity is estimated, so only the accelerations are wrong, by twice 0.15.
+    // The direction of gravity is estimated, so only the accelerations are wrong, by twice 0.1.
     const auto found = disagreement([](Eigen::Vector3d& force) { force = -force; });
     ASSERT_TRUE(found);
     EXPECT_LT(*found, kMaxGravityDisagreement_m_s2);
