@@ -120,7 +120,8 @@ std::optional<Finding> divergence(const types::Track& track, const types::Optimi
     const double odometry_m = path_m(track.odometry, jumps);
     if (final_m <= kDivergedPath * odometry_m + kPathSlack_m) return std::nullopt;
     return diverged("the path is " + base::fixed(final_m, 2) +
-                    " m long, by the motion from frame to frame " + base::fixed(odometry_m, 2) + " m");
+                    " m long, by the motion from frame to frame " + base::fixed(odometry_m, 2) +
+                    " m");
 }
 
 }  // namespace divemesh::pipeline
