@@ -250,10 +250,18 @@ types::Track track_window(types::Recording& recording,
                           const keyframes::KeyframeStore& store,
                           const base::ProgressCallback& progress) {
     const camera::Rectifier rectifier(recording.rig());
+    // Another attempt starts with the first frame, but what was reported is not taken back.
+    double reached = 0.0;
+    const auto forward_progress = [&](Progress at) {
+        reached = std::max(reached, at.fraction);
+        at.fraction = reached;
+        progress(at);
+    };
     imu::SensorPlan plan;
     for (int attempt = 1;; ++attempt) {
         WindowTracker tracker(rectifier.rig(), recording, options, plan);
-        types::Track track = track_frames(recording, rectifier, options, store, tracker, progress);
+        types::Track track =
+            track_frames(recording, rectifier, options, store, tracker, forward_progress);
         auto other = tracker.sensors().restart();
         if (!other) other = tracker.sensors().restart_at_end();
         if (!other) {

@@ -170,7 +170,7 @@ TEST(MetricsDocument, TheCalibrationHashChangesWithTheCalibrationAlone) {
     MetricsInput other = plain_dive();
     other.preset = "standard";
     EXPECT_EQ(hash(other), hash(plain_dive()));
-    other.rig.cam1.distortion_coefficients[2] = 1e-5;
+    other.stated_rig.cam1.distortion_coefficients[2] = 1e-5;
     EXPECT_NE(hash(other), hash(plain_dive()));
 }
 
