@@ -154,7 +154,7 @@ TEST_F(BadRecordingTest, RepeatedAndBackwardStampsAreToldWithTheirLine) {
     const std::string second = std::to_string(TinyDive::kFirst_ns + 100'000'000LL);
     tiny_.replace(kCam0Rows, third + "," + third, second + "," + third);
     EXPECT_THAT(findings(),
-                HasFinding(Severity::Warning, "cam0_timestamp_repeated", "cam0/data.csv:4"));
+                HasFinding(Severity::Error, "cam0_timestamp_repeated", "cam0/data.csv:4"));
 
     tiny_.replace(kCam0Rows, second + "," + third, "5," + third);
     EXPECT_THAT(findings(),
