@@ -5,7 +5,7 @@
 
 namespace divemesh::bench {
 
-// What is done to a rendered dive before it is reconstructed.
+// A change of a rendered dive, made before its reconstruction.
 struct DiveChange {
     enum class Imu {
         AsIs,

@@ -24,7 +24,7 @@ struct EnvelopeAxis {
 
 const std::vector<EnvelopeAxis>& envelope_axes();
 
-// What is rendered, and how it is judged.
+// The size of the bench: scenes, seeds and the dives that it renders.
 struct EnvelopeScale {
     std::vector<std::string> scenes;
     std::vector<int> seeds;

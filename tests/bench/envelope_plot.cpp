@@ -11,7 +11,7 @@ namespace {
 
 using nlohmann::json;
 
-// Of one panel, px.
+// Size and margins of one panel, px.
 constexpr double kWidth = 300.0;
 constexpr double kHeight = 190.0;
 constexpr double kLeft = 42.0;

@@ -109,7 +109,7 @@ json moving_share(const fs::path& dive) {
     return sum / std::max(1.0, num);
 }
 
-// Of what SIFT sees: not of the IMU.
+// Returns the cache key of the baseline: SIFT sees the images only, so the IMU is left out.
 std::string images_key(const EnvelopeRun& run) {
     const DiveChange& change = run.step.change;
     std::string key = run.scene + "-" + std::to_string(run.seed);

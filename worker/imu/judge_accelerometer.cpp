@@ -11,7 +11,7 @@ namespace {
 constexpr std::int64_t kSpan_ns = 500'000'000;
 constexpr std::size_t kMinForces = 10;
 constexpr std::size_t kMaxForces = 60;
-// Of slower frames the velocities at their times are not known.
+// Slower frames do not tell the velocity at their times.
 constexpr std::int64_t kMaxInterval_ns = 300'000'000;
 
 Eigen::Vector3d median_of(const std::vector<Eigen::Vector3d>& vectors) {

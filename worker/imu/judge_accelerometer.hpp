@@ -42,8 +42,8 @@ private:
     std::vector<Eigen::Vector3d> forces_;                 // m/s^2, one a span
 };
 
-// With more the accelerometer does not fit. A bias, which turns with the rig, and the error of the
-// velocities stay below: good units have 0.02 to 0.05.
+// The accelerometer does not fit if the disagreement is larger. A bias, which turns with the rig,
+// and the error of the velocities stay below: good units have 0.02 to 0.05.
 constexpr double kMaxGravityDisagreement_m_s2 = 0.25;
 
 }  // namespace divemesh::imu

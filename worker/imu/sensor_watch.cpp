@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kFirstJudgement = 16;  // spans
 constexpr std::size_t kJudgementStep = 4;
-// Of the spans that were said to fit, the last so many may already have been wrong.
+// The watch notices a fault only after this many wrong spans.
 constexpr std::size_t kUnnoticed = 8;
 constexpr int kNumLost = 3;  // frames in a row: the scene is lost, not one image spoilt
 

@@ -10,7 +10,7 @@
 
 namespace divemesh::loops {
 
-// What is known of a motion before images are compared.
+// A motion as predicted before the images are compared.
 struct MotionPrior {
     std::optional<Eigen::Isometry3d> T_b_a;        // predicted
     std::optional<types::KnownRotation> rotation;  // R_b_a, measured by the inertial sensors

@@ -17,8 +17,8 @@ constexpr std::size_t kMinNumPairs = 30;
 constexpr double kMoved_px = 1.0;  // median shift since the anchor
 // 99 % of a chi-squared variable with six degrees of freedom.
 constexpr double kMaxChiSquared = 16.8;
-// Of the features' noise as usually assumed. The noise of features that stay in place is measured;
-// below this share the errors that they have in common, of light and compression, prevail.
+// The noise of features that stay in place is measured, as a share of the usual noise. Below this
+// share, errors that all features have in common (light, compression) prevail.
 constexpr double kMinNoise = 0.2;
 constexpr double kMadOfNormal = 0.6745;
 

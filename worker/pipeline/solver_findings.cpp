@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "worker/base/text.hpp"
+#include "worker/pipeline/tracking_findings.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -20,10 +21,6 @@ constexpr double kDiverged_px = 3.5;
 // times as long as the odometry's has fallen apart. The slack is for rigs that stand still.
 constexpr double kDivergedPath = 3.0;
 constexpr double kPathSlack_m = 1.0;
-
-constexpr const char* kTrackBetter =
-    "check that left and right images are sharp, simultaneous and fit the calibration; keep "
-    "textured ground in view, swim slower or record more pairs a second";
 
 void add_failed(const types::SolverTally& tally,
                 const std::string& what,

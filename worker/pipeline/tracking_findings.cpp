@@ -8,6 +8,7 @@
 
 #include "worker/base/text.hpp"
 #include "worker/pipeline/measured_poses.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -20,17 +21,13 @@ constexpr double kWarningShare = 0.05;
 constexpr std::size_t kMaxLosses = 5;  // told one by one
 // A frame with texture has hundreds of features.
 constexpr double kHardlyAnyFeatures = 60.0;
-// Of the features of the left image, those that are found in the right one too.
+// Share of the features of the left image that are found in the right one too.
 constexpr double kSmallShareWithDepth = 0.3;
-// Of an image that the next one sees too. Features are followed from frame to frame down to about
-// half; above it the cause lies elsewhere.
+// Share of an image that the next one sees too. The tracker follows features down to about half;
+// above it the cause lies elsewhere.
 constexpr double kSmallOverlap = 0.6;
 constexpr int kGridSize = 12;
 constexpr double kPausePeriods = 5.0;
-
-constexpr const char* kTrackBetter =
-    "check that left and right images are sharp, simultaneous and fit the calibration; keep "
-    "textured ground in view, swim slower or record more pairs a second";
 
 double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
@@ -42,12 +39,6 @@ struct Loss {
     std::size_t num_unmeasured = 0;  // frames, among them, without a measured pose
     double duration_s = 0.0;         // without a measured motion
 };
-
-double upper_median(std::vector<double> values) {
-    const auto middle = values.begin() + std::ssize(values) / 2;
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 bool is_shorter(const Loss& a, const Loss& b) { return a.duration_s < b.duration_s; }
 
@@ -71,7 +62,7 @@ double median_period_s(const types::Track& track) {
     for (std::size_t i = 1; i < track.odometry.size(); ++i)
         periods_s.push_back(
             seconds(track.odometry[i].timestamp_ns - track.odometry[i - 1].timestamp_ns));
-    return upper_median(std::move(periods_s));
+    return stats::upper_median(std::move(periods_s));
 }
 
 // Returns which share of an image the next one would see, by the motion that was expected and the
@@ -104,7 +95,7 @@ double median_count(const types::Track& track,
     std::vector<double> counts;
     for (std::size_t i = loss.first; i <= loss.last; ++i)
         counts.push_back(static_cast<double>(track.features[i].*count));
-    return upper_median(std::move(counts));
+    return stats::upper_median(std::move(counts));
 }
 
 struct Cause {

@@ -9,6 +9,11 @@
 // What the user is told about frames whose motion was not measured.
 namespace divemesh::pipeline {
 
+// The remedy where the cause of a loss is not known.
+inline constexpr const char* kTrackBetter =
+    "check that left and right images are sharp, simultaneous and fit the calibration; keep "
+    "textured ground in view, swim slower or record more pairs a second";
+
 // Returns an error if vision constrained hardly any motion, so that there is no model.
 std::optional<Finding> too_little_tracked(const types::Track& track);
 

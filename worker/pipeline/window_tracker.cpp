@@ -17,12 +17,12 @@
 namespace divemesh::pipeline {
 namespace {
 
-// Tracking as stated, by vision alone, with another clock offset or fewer sensors, and without the
+// Attempts: as stated, by vision alone, with another clock offset or fewer sensors, and without the
 // times in which a sensor contradicted the images.
 constexpr int kMaxAttempts = 5;
 constexpr double kMinDepth_m = 0.05;
 constexpr int kNumPasses = 2;  // the first makes the motion more accurate for the second
-// With fewer features a rig at rest needs a new keyframe.
+// A rig at rest needs a new keyframe if it has fewer features.
 constexpr std::size_t kFewFeatures = 60;
 // A rig that turns faster than one degree a second does not rest, whatever the images show.
 constexpr std::int64_t kTurnTime_ns = 500'000'000;

@@ -153,7 +153,7 @@ TEST_F(AlteredDivesTest, BlueWaterHasNoTexture) {
     const auto images = left_images(dive);
     ASSERT_GE(images.size(), 3U);
     EXPECT_GT(spread(images.front()), 8.0);
-    // What is left is the vignetting of the lens.
+    // The lens still darkens the corners.
     EXPECT_LT(spread(images.back()), 0.35 * spread(images.front()));
     const auto depths = images_of(dive / "truth/cam0/depth");
     EXPECT_EQ(cv::countNonZero(cv::imread(depths.back().string(), cv::IMREAD_UNCHANGED)), 0);
