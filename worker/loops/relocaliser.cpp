@@ -51,23 +51,41 @@ std::optional<Eigen::Isometry3d> Relocaliser::register_to_previous(
         rig_, described(*previous_), described(current(frame)), prior, seed);
 }
 
-std::optional<Relocaliser::Recognised> Relocaliser::recognise(const types::RectifiedFrame& frame,
-                                                              std::uint64_t seed) {
+std::optional<Relocaliser::Recognised> Relocaliser::recognise(
+    const types::RectifiedFrame& frame,
+    const Eigen::Isometry3d& predicted_T_world_cam,
+    std::uint64_t seed) {
     for (KeptKeyframe& keyframe : keyframes_)
-        if (auto recognised = recognise_by(keyframe, frame, seed)) return recognised;
+        if (auto recognised = recognise_by(keyframe, frame, predicted_T_world_cam, seed))
+            return recognised;
     return std::nullopt;
 }
 
-std::optional<Relocaliser::Recognised> Relocaliser::recognise_by(KeptKeyframe& keyframe,
-                                                                 const types::RectifiedFrame& frame,
-                                                                 std::uint64_t seed) {
-    const auto rough =
-        register_wide_baseline(rig_, described(keyframe.view), described(current(frame)), {}, seed);
+std::optional<Relocaliser::Recognised> Relocaliser::recognise_by(
+    KeptKeyframe& keyframe,
+    const types::RectifiedFrame& frame,
+    const Eigen::Isometry3d& predicted_T_world_cam,
+    std::uint64_t seed) {
+    const Eigen::Isometry3d predicted = predicted_T_world_cam.inverse() * keyframe.T_world_cam;
+    if (auto recognised = recognise_from(keyframe, frame, predicted)) return recognised;
+    const auto rough = register_wide_baseline(
+        rig_, described(keyframe.view), described(current(frame)), {predicted, std::nullopt}, seed);
     if (!rough) return std::nullopt;
+    return recognise_from(keyframe, frame, *rough);
+}
+
+// Recognises the frame from a pose that is accurate to some pixels.
+std::optional<Relocaliser::Recognised> Relocaliser::recognise_from(
+    const KeptKeyframe& keyframe,
+    const types::RectifiedFrame& frame,
+    Eigen::Isometry3d T_current_keyframe) const {
+    types::Features features = keyframe.features;
+    std::erase_if(features, [&](const types::Feature& feature) {
+        return !keyframe.confirmed.contains(feature.id);
+    });
     std::vector<KnownPoint> points;
-    for (const types::Feature& feature : keyframe.features)
+    for (const types::Feature& feature : features)
         points.push_back({feature.pixel, types::point_cam(rig_, feature)});
-    Eigen::Isometry3d T_current_keyframe = *rough;
     const auto found = search_by_projection(
         rig_, keyframe.view.frame.left, points, frame.left, T_current_keyframe);
     if (!found) return std::nullopt;
@@ -76,9 +94,9 @@ std::optional<Relocaliser::Recognised> Relocaliser::recognise_by(KeptKeyframe& k
     recognised.T_world_cam = keyframe.T_world_cam * T_current_keyframe.inverse();
     for (types::Feature feature : *found) {
         const auto i = static_cast<std::size_t>(feature.id);
-        feature.id = keyframe.features[i].id;
+        feature.id = features[i].id;
         feature.disparity_px = rig_.disparity_px((T_current_keyframe * points[i].p_cam).z());
-        recognised.in_keyframe.push_back(keyframe.features[i]);
+        recognised.in_keyframe.push_back(features[i]);
         recognised.features.push_back(feature);
     }
     features::match_sparse_stereo(frame, {}, num_disparities_px_, recognised.features);
@@ -90,7 +108,7 @@ void Relocaliser::relocalise(const types::RectifiedFrame& frame,
                              types::Features& features,
                              odometry::MotionModel& motion) {
     if (!std::exchange(lost_, false)) return;
-    const auto known = recognise(frame, seed);
+    const auto known = recognise(frame, motion.T_world_cam(), seed);
     if (!known) return;
     motion.correct(known->T_world_cam);
     join(known->features, features);
@@ -101,11 +119,16 @@ std::optional<features::DescribedKeypoints> Relocaliser::keep(
     const types::Features& features,
     const Eigen::Isometry3d& T_world_cam) {
     if (keyframes_.size() == kNumKeyframes) keyframes_.pop_back();
-    keyframes_.push_front({current(frame), features, T_world_cam});
+    keyframes_.push_front({current(frame), features, {}, T_world_cam});
     std::erase_if(keyframes_.front().features,
                   [](const types::Feature& feature) { return !types::has_depth(feature); });
     if (!close_loops_) return std::nullopt;
     return loop_keypoints(frame, num_disparities_px_);
+}
+
+void Relocaliser::confirm(const odometry::PointPairs& inliers) {
+    for (KeptKeyframe& keyframe : keyframes_)
+        for (const odometry::PointPair& pair : inliers) keyframe.confirmed.insert(pair.id);
 }
 
 void Relocaliser::pass(const types::RectifiedFrame& frame) {

@@ -5,11 +5,13 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <unordered_set>
 
 #include "worker/features/described_keypoints.hpp"
 #include "worker/loops/register_wide_baseline.hpp"
 #include "worker/loops/sift_keypoints.hpp"
 #include "worker/odometry/motion_model.hpp"
+#include "worker/odometry/with_depth_at_both_times.hpp"
 #include "worker/types/feature.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/rectified_rig.hpp"
@@ -37,11 +39,15 @@ public:
         types::Features features;     // the same at current positions
     };
     // Returns the frame as recognised by the newest of the last keyframes that it overlaps; nullopt
-    // if it overlaps none.
-    std::optional<Recognised> recognise(const types::RectifiedFrame& frame, std::uint64_t seed);
+    // if it overlaps none. The pose as predicted is tried first.
+    std::optional<Recognised> recognise(const types::RectifiedFrame& frame,
+                                        const Eigen::Isometry3d& predicted_T_world_cam,
+                                        std::uint64_t seed);
 
     // Marks that a frame was not constrained by vision.
     void mark_lost() { lost_ = true; }
+    // Marks that a frame shows the scene from before the loss.
+    void mark_found() { lost_ = false; }
     // Called for a frame that is about to become a keyframe. After a loss, features of the last
     // keyframes that it shows are added to `features` with their ids, and `motion` is corrected.
     void relocalise(const types::RectifiedFrame& frame,
@@ -54,6 +60,9 @@ public:
     std::optional<features::DescribedKeypoints> keep(const types::RectifiedFrame& frame,
                                                      const types::Features& features,
                                                      const Eigen::Isometry3d& T_world_cam);
+    // Tells that features follow the scene's motion. Keyframes are recognised by such features
+    // alone: others may be on something that moves by itself.
+    void confirm(const odometry::PointPairs& inliers);
     // Stores the frame as the previous one.
     void pass(const types::RectifiedFrame& frame);
 
@@ -66,13 +75,18 @@ private:
     struct KeptKeyframe {
         View view;
         types::Features features;  // those with depth
+        std::unordered_set<std::int64_t> confirmed;
         Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
     };
     const SiftKeypoints& described(View& view) const;
     View& current(const types::RectifiedFrame& frame);
     std::optional<Recognised> recognise_by(KeptKeyframe& keyframe,
                                            const types::RectifiedFrame& frame,
+                                           const Eigen::Isometry3d& predicted_T_world_cam,
                                            std::uint64_t seed);
+    std::optional<Recognised> recognise_from(const KeptKeyframe& keyframe,
+                                             const types::RectifiedFrame& frame,
+                                             Eigen::Isometry3d T_current_keyframe) const;
 
     types::RectifiedRig rig_;
     bool close_loops_;

@@ -54,9 +54,11 @@ types::Features static_features(const Registration& motion) {
 void add_lost_features(const types::RectifiedFrame& frame,
                        const Eigen::Isometry3d& T_current_previous,
                        int num_disparities_px,
+                       const KnownScene& scene,
                        features::FeatureTracker& tracker,
                        types::Features& features) {
     types::Features found = tracker.find_lost(T_current_previous, features);
+    std::erase_if(found, [&](const types::Feature& f) { return !scene.has_followed(f.id); });
     features::match_sparse_stereo(frame, {}, num_disparities_px, found);
     types::Features all;
     std::set_union(features.begin(),

@@ -4,6 +4,7 @@
 
 #include "worker/features/track_features.hpp"
 #include "worker/imu/inertial_prior.hpp"
+#include "worker/odometry/known_scene.hpp"
 #include "worker/odometry/register_points.hpp"
 #include "worker/odometry/with_depth_at_both_times.hpp"
 #include "worker/types/keyframe.hpp"
@@ -31,10 +32,11 @@ types::Features static_features(const Registration& motion);
 
 types::FrameFeatures feature_counts(const types::Features& features);
 
-// Adds features that the tracker had lost and finds again once the motion is known.
+// Adds features of the scene that the tracker had lost and finds again once the motion is known.
 void add_lost_features(const types::RectifiedFrame& frame,
                        const Eigen::Isometry3d& T_current_previous,
                        int num_disparities_px,
+                       const KnownScene& scene,
                        features::FeatureTracker& tracker,
                        types::Features& features);
 

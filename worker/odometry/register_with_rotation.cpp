@@ -84,6 +84,17 @@ double horn_scale(const PointPairs& pairs) {
     return aligned ? aligned->scale : 1.0;
 }
 
+// Tells whether the inliers determine the motion.
+void judge(const types::RectifiedRig& rig,
+           const std::optional<types::KnownRotation>& rotation,
+           Registration& result) {
+    if (!result.found) return;
+    result.scale = horn_scale(result.inliers);
+    const MotionGuess motion{result.T_current_previous, rotation, 0.0};
+    result.degenerate = max_sigma_rad(rig, result.inliers, motion) > kMaxSigma_rad;
+    result.found = !result.degenerate;
+}
+
 }  // namespace
 
 Registration register_with_rotation(const types::RectifiedRig& rig,
@@ -100,19 +111,30 @@ Registration register_with_rotation(const types::RectifiedRig& rig,
             rig, pairs, rotation->q.toRotationMatrix(), expected, tolerance_px, seed);
         result = settled(rig, pairs, best, tolerance_px);
     }
-    if (static_cast<double>(result.inliers.size()) <
-        kMinTrustedShare * static_cast<double>(pairs.size())) {
+    const auto is_confirmed = [&] {
+        return static_cast<double>(result.inliers.size()) >=
+               kMinTrustedShare * static_cast<double>(pairs.size());
+    };
+    const auto try_also = [&](const Eigen::Isometry3d& T_current_previous) {
+        Registration other = settled(rig, pairs, T_current_previous, tolerance_px);
+        if (other.inliers.size() > result.inliers.size()) result = std::move(other);
+    };
+    if (!is_confirmed()) {
         const Registration horn = register_points(rig, pairs, tolerance_px, seed);
-        if (horn.found) {
-            Registration other = settled(rig, pairs, horn.T_current_previous, tolerance_px);
-            if (other.inliers.size() > result.inliers.size()) result = std::move(other);
-        }
+        if (horn.found) try_also(horn.T_current_previous);
     }
-    if (!result.found) return result;
-    result.scale = horn_scale(result.inliers);
-    const MotionGuess motion{result.T_current_previous, rotation, 0.0};
-    result.degenerate = max_sigma_rad(rig, result.inliers, motion) > kMaxSigma_rad;
-    result.found = !result.degenerate;
+    if (!is_confirmed() && !rotation) try_also(expected);  // Horn errs on far points
+    judge(rig, rotation, result);
+    return result;
+}
+
+Registration register_near(const types::RectifiedRig& rig,
+                           const PointPairs& pairs,
+                           const std::optional<types::KnownRotation>& rotation,
+                           const Eigen::Isometry3d& expected,
+                           double tolerance_px) {
+    Registration result = settled(rig, pairs, expected, tolerance_px);
+    judge(rig, rotation, result);
     return result;
 }
 

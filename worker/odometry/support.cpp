@@ -46,6 +46,12 @@ std::size_t num_cells(const types::RectifiedRig& rig, const PointPairs& pairs) {
     return cells.size();
 }
 
+bool is_near_prediction(const types::RectifiedRig& rig,
+                        const PointPairs& pairs,
+                        const Eigen::Isometry3d& expected) {
+    return median_error_px(rig, pairs, expected) < kNearPrediction_px;
+}
+
 bool well_supported(const types::RectifiedRig& rig,
                     const Registration& motion,
                     std::size_t num_previous,
@@ -54,7 +60,7 @@ bool well_supported(const types::RectifiedRig& rig,
     if (!motion.found || num_cells(rig, motion.inliers) < kMinCells) return false;
     const bool most_agree = share(num, motion.num_pairs) >= kMinShareOfPairs;
     if (!most_agree) return false;
-    if (median_error_px(rig, motion.inliers, expected) < kNearPrediction_px)
+    if (is_near_prediction(rig, motion.inliers, expected))
         return num >= kMinSupportNearPrediction;
     return num >= kMinSupport && share(num, num_previous) >= kMinShareOfPrevious;
 }
@@ -62,7 +68,7 @@ bool well_supported(const types::RectifiedRig& rig,
 bool explained_by_chance(const types::RectifiedRig& rig,
                          const Registration& motion,
                          const Eigen::Isometry3d& expected) {
-    if (median_error_px(rig, motion.inliers, expected) < kNearPrediction_px) return false;
+    if (is_near_prediction(rig, motion.inliers, expected)) return false;
     return motion.inliers.size() < kMinUnexpected ||
            share(motion.inliers.size(), motion.num_pairs) < kMinUnexpectedShare;
 }

@@ -11,6 +11,11 @@ namespace divemesh::odometry {
 // Returns the number of cells of the image, of 8 x 6, with the current position of a pair.
 std::size_t num_cells(const types::RectifiedRig& rig, const PointPairs& pairs);
 
+// Returns true if the pairs are, in the median, within some pixels of where a motion predicts them.
+bool is_near_prediction(const types::RectifiedRig& rig,
+                        const PointPairs& pairs,
+                        const Eigen::Isometry3d& expected);
+
 // Returns true if a motion found by tracking from the prediction `expected` needs no confirmation:
 // most pairs agree on it, spread over the image, and they are enough if it is the predicted motion
 // within some pixels. Another motion must hold for a good part of the `num_previous` features that

@@ -1,11 +1,14 @@
 #include "worker/pipeline/window_tracker.hpp"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <utility>
 
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/motion_by_vision.hpp"
+#include "worker/odometry/pair_inliers.hpp"
 #include "worker/odometry/predict_orientation.hpp"
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/register_with_rotation.hpp"
@@ -51,6 +54,7 @@ WindowTracker::WindowTracker(const types::RectifiedRig& rig,
       mapping_rule_(rig, options.surface ? options.map_step : 0.0),
       motion_(rig, inertial_),
       moving_(rig),
+      scene_(rig),
       rest_(rig) {
     if (plan.time_offset_s != 0.0) inertial_.align({plan.time_offset_s});
 }
@@ -67,8 +71,22 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
                 tracker_.track(frame.left, moving_.with_dynamic(features_), expected),  // 2
                 rotation,
                 expected);
+    const bool dbg = std::getenv("TRK_DBG") != nullptr;
+    const bool ok = odometry::well_supported(rig_, seen.vision, num_with_depth(features_), expected);
+    if (dbg)
+        std::fprintf(stderr,
+                     "DBG %ld prev %zu pairs %zu inl %zu found %d exp_inl %zu ok %d dyn %zu",
+                     static_cast<long>(frame.index),
+                     num_with_depth(features_),
+                     seen.pairs.size(),
+                     seen.vision.inliers.size(),
+                     seen.vision.found,
+                     odometry::find_inliers(rig_, seen.pairs, expected, 2.0).size(),
+                     ok,
+                     moving_.now().size());
     if (!map_.empty() &&
-        !odometry::well_supported(rig_, seen.vision, num_with_depth(features_), expected))
+        !odometry::well_supported(rig_, seen.vision, num_with_depth(features_), expected) &&
+        !scene_.confirms(seen.vision, expected))
         seen = recover(frame, rotation, expected, std::move(seen));
     const odometry::Registration& vision = seen.vision;
     const auto guess = odometry::predict_orientation(rotation, vision);  // 5
@@ -77,7 +95,17 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
                      : expected;
     const auto at_rest = watch_rest(vision, estimated, now_ns);
     const auto T_current_previous = at_rest.value_or(estimated);
+    if (dbg)
+        std::fprintf(stderr,
+                     " | pairs %zu inl %zu found %d pred %d rest %d t %.4f\n",
+                     seen.pairs.size(),
+                     seen.vision.inliers.size(),
+                     seen.vision.found,
+                     seen.predicted,
+                     at_rest.has_value(),
+                     T_current_previous.translation().norm());
 
+    scene_.update(seen.pairs, vision, motion_.T_world_cam(), before_ns, now_ns);
     motion_.advance(T_current_previous, now_ns);
     if (vision.found) motion_.confirm_by_vision();
     if (at_rest) rest(now_ns);
@@ -88,13 +116,16 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
     if (seen.predicted) moving_.classify(seen.pairs, vision);
     features_ = odometry::without_dynamic_features(seen.tracks, seen.pairs, vision);
     odometry::add_lost_features(
-        frame, T_current_previous, options_.num_disparities_px, tracker_, features_);
+        frame, T_current_previous, options_.num_disparities_px, scene_, tracker_, features_);
     const bool needed = !at_rest || vision.inliers.size() < kFewFeatures;
     const bool keep = first || (vision.found && needed && map_.due(features_, now_ns));
     if (keep || !vision.found)
         odometry::add_new_features(
             rig_, frame, {}, options_.num_disparities_px, tracker_, features_);
-    if (!vision.found) memory_.mark_lost();
+    if (!vision.found)
+        memory_.mark_lost();
+    else if (scene_.known(vision.inliers).size() >= odometry::kMinInliers)
+        memory_.mark_found();
     std::optional<features::DescribedKeypoints> view;
     if (keep) view = keep_keyframe(frame);
     TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), moving_.before(), {}};
@@ -107,6 +138,7 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
         tracked.to_map = {
             {}, {std::move(view), moving_.now(), odometry::static_features(vision), range}};
     }
+    memory_.confirm(scene_.known(vision.inliers));
     memory_.pass(frame);
     return tracked;
 }
@@ -122,14 +154,37 @@ WindowTracker::Observed WindowTracker::observe(const types::RectifiedFrame& fram
     seen.measured = odometry::with_depth_at_both_times(rig_, features_, seen.tracks);  // 3
     seen.pairs = seen.measured;
     map_.use_landmarks(motion_.T_world_cam(), seen.pairs);
-    seen.vision = odometry::register_with_rotation(  // 4
-        rig_,
-        seen.pairs,
-        rotation,
-        expected,
-        odometry::kInlierTolerance_px,
-        odometry::seed_of(options_.seed, frame));
+    seen.vision = register_pairs(frame, seen.pairs, rotation, expected);  // 4
     return seen;
+}
+
+odometry::Registration WindowTracker::register_pairs(
+    const types::RectifiedFrame& frame,
+    const odometry::PointPairs& pairs,
+    const std::optional<types::KnownRotation>& rotation,
+    const Eigen::Isometry3d& expected) const {
+    const auto motion_of = [&](const odometry::PointPairs& voting) {
+        return odometry::register_with_rotation(rig_,
+                                                voting,
+                                                rotation,
+                                                expected,
+                                                odometry::kInlierTolerance_px,
+                                                odometry::seed_of(options_.seed, frame));
+    };
+    odometry::Registration vision = motion_of(pairs);
+    if (!vision.found) return vision;
+    if (scene_.contradicts(features_, pairs, vision)) {
+        const odometry::Registration by_known = motion_of(scene_.known(pairs));
+        vision = odometry::register_near(rig_,
+                                         pairs,
+                                         rotation,
+                                         by_known.found ? by_known.T_current_previous : expected,
+                                         odometry::kInlierTolerance_px);
+        if (vision.found && scene_.contradicts(features_, pairs, vision)) vision.found = false;
+    }
+    if (vision.found && scene_.is_hidden_behind(vision, motion_.T_world_cam()))
+        vision.found = false;
+    return vision;
 }
 
 WindowTracker::Observed WindowTracker::recover(const types::RectifiedFrame& frame,
@@ -140,8 +195,10 @@ WindowTracker::Observed WindowTracker::recover(const types::RectifiedFrame& fram
         return a.vision.found &&
                (!b.vision.found || a.vision.inliers.size() > b.vision.inliers.size());
     };
+    const odometry::DynamicFeatures moving = moving_;
     if (auto followed = follow_wide(frame, {expected, rotation}))
         if (better(*followed, predicted)) return std::move(*followed);
+    moving_ = moving;
     if (predicted.vision.found && odometry::explained_by_chance(rig_, predicted.vision, expected))
         predicted.vision.found = false;
     if (!predicted.vision.found)
@@ -170,29 +227,48 @@ std::optional<WindowTracker::Observed> WindowTracker::recognise(
     const types::RectifiedFrame& frame,
     const std::optional<types::KnownRotation>& rotation,
     const Eigen::Isometry3d& expected) {
-    auto known = memory_.recognise(frame, odometry::seed_of(options_.seed, frame));
+    auto known = memory_.recognise(frame,
+                                   motion_.T_world_cam() * expected.inverse(),
+                                   odometry::seed_of(options_.seed, frame));
     if (!known) return std::nullopt;
     // The previous pose becomes that from which the predicted motion leads here.
+    const Eigen::Isometry3d T_world_previous = motion_.T_world_cam();
     motion_.correct(known->T_world_cam * expected);
     const Eigen::Isometry3d T_previous_keyframe =
         motion_.T_world_cam().inverse() * known->T_world_keyframe;
-    features_.clear();
+    const types::Features previous = std::exchange(features_, {});
     for (const types::Feature& feature : known->in_keyframe) {
         const Eigen::Vector3d p_previous = T_previous_keyframe * types::point_cam(rig_, feature);
         if (p_previous.z() <= kMinDepth_m) continue;
         const Eigen::Vector3d pixel = types::project_px(rig_, p_previous);
         features_.push_back({feature.id, pixel.head<2>(), pixel.z()});
     }
+    const odometry::DynamicFeatures moving = moving_;
     moving_.forget();
     Observed seen = observe(frame, std::move(known->features), rotation, expected);
     seen.predicted = false;
-    return seen;
+    if (seen.vision.found) return seen;
+    motion_.correct(T_world_previous);
+    features_ = previous;
+    moving_ = moving;
+    return std::nullopt;
 }
 
 std::optional<features::DescribedKeypoints> WindowTracker::keep_keyframe(
     const types::RectifiedFrame& frame) {
+    const Eigen::Isometry3d A = motion_.T_world_cam();
     memory_.relocalise(frame, odometry::seed_of(options_.seed, frame), features_, motion_);
+    const Eigen::Isometry3d B = motion_.T_world_cam();
     map_.add(frame, features_, motion_, inertial_);
+    const Eigen::Isometry3d C = motion_.T_world_cam();
+    if (std::getenv("TRK_DBG") != nullptr)
+        std::fprintf(stderr,
+                     "KEY %ld reloc %.4f window %.4f known %zu of %zu\n",
+                     static_cast<long>(frame.index),
+                     (A.inverse() * B).translation().norm(),
+                     (B.inverse() * C).translation().norm(),
+                     std::size_t{0},
+                     num_with_depth(features_));
     rest_.restart();
     return memory_.keep(frame, features_, motion_.T_world_cam());
 }

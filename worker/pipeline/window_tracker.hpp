@@ -10,6 +10,7 @@
 #include "worker/loops/relocaliser.hpp"
 #include "worker/odometry/dynamic_features.hpp"
 #include "worker/odometry/imu_aligner.hpp"
+#include "worker/odometry/known_scene.hpp"
 #include "worker/odometry/motion_model.hpp"
 #include "worker/odometry/rest_detector.hpp"
 #include "worker/odometry/track_summary.hpp"
@@ -47,6 +48,12 @@ private:
                      types::Features tracks,
                      const std::optional<types::KnownRotation>& rotation,
                      const Eigen::Isometry3d& expected);
+    // Returns the motion of the pairs. Features that have just appeared do not outvote the known
+    // scene.
+    odometry::Registration register_pairs(const types::RectifiedFrame& frame,
+                                          const odometry::PointPairs& pairs,
+                                          const std::optional<types::KnownRotation>& rotation,
+                                          const Eigen::Isometry3d& expected) const;
     // Registers the frame by descriptors, to the previous frame or to one of the last keyframes,
     // and tracks its features again from there. Returns what supports the motion best.
     Observed recover(const types::RectifiedFrame& frame,
@@ -84,6 +91,7 @@ private:
     keyframes::MappingRule mapping_rule_;
     odometry::MotionModel motion_;
     odometry::DynamicFeatures moving_;
+    odometry::KnownScene scene_;
     odometry::RestDetector rest_;
     types::Features features_;  // static ones, as the last frame had them
     odometry::TrackSummary summary_;
