@@ -15,7 +15,7 @@
 
 namespace divemesh::imu {
 
-constexpr double kInitialGyroscopeBiasSigma = 0.02;     // rad/s, for a cheap sensor
+constexpr double kInitialGyroscopeBiasSigma = 0.1;      // rad/s, for a cheap sensor
 constexpr double kInitialAccelerometerBiasSigma = 0.1;  // m/s^2
 
 // Returns the samples outside the times.

@@ -3,6 +3,8 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <utility>
 #include <vector>
 
 #include "worker/base/rotation_vector.hpp"
@@ -14,9 +16,12 @@ namespace {
 
 constexpr std::int64_t kMinRest_ns = 1'000'000'000;
 constexpr std::size_t kMinNumPairs = 30;
+constexpr std::size_t kMinNumPairsAtRest = 6;   // once the rig rests
+constexpr std::int64_t kMaxUnseen_ns = 2'000'000'000;
 constexpr double kMoved_px = 1.0;  // median shift since the anchor
 // 99 % of a chi-squared variable with six degrees of freedom.
 constexpr double kMaxChiSquared = 16.8;
+constexpr double kMaxChiSquaredOfThree = 11.3;
 // The noise of features that stay in place is measured, as a share of the usual noise. Below this
 // share, errors that all features have in common (light, compression) prevail.
 constexpr double kMinNoise = 0.2;
@@ -49,6 +54,8 @@ double noise_of(const types::RectifiedRig& rig,
 std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
                                                      const types::Features& features,
                                                      const Eigen::Isometry3d& T_world_cam) {
+    if (now_ns - last_ns_ > kMaxUnseen_ns) restart();
+    last_ns_ = now_ns;
     const PointPairs pairs = with_depth_at_both_times(rig_, anchor_, features);
     hardly_moves_ = hardly_moved(pairs);
     if (!hardly_moves_) {
@@ -59,26 +66,49 @@ std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
     }
     if (now_ns - anchor_ns_ < kMinRest_ns) return std::nullopt;
     T_anchor_cam_ = significant_motion(pairs);
+    if (T_anchor_cam_.matrix().isIdentity()) join_anchor(features);
     return T_world_anchor_ * T_anchor_cam_;
 }
 
-bool RestDetector::hardly_moved(const PointPairs& pairs) const {
-    return pairs.size() >= kMinNumPairs && median_shift_px(pairs) < kMoved_px;
+void RestDetector::join_anchor(const types::Features& features) {
+    types::Features all;
+    std::set_union(
+        anchor_.begin(),
+        anchor_.end(),
+        features.begin(),
+        features.end(),
+        std::back_inserter(all),
+        [](const types::Feature& a, const types::Feature& b) { return a.id < b.id; });
+    anchor_ = std::move(all);
 }
 
-// Returns T_anchor_cam; the identity if noise explains the motion.
+bool RestDetector::hardly_moved(const PointPairs& pairs) const {
+    return pairs.size() >= (hardly_moves_ ? kMinNumPairsAtRest : kMinNumPairs) && median_shift_px(pairs) < kMoved_px;
+}
+
+// Returns T_anchor_cam: the identity if noise explains the motion, a rotation if noise explains its
+// translation.
 Eigen::Isometry3d RestDetector::significant_motion(const PointPairs& pairs) const {
     const Eigen::Isometry3d T_cam_anchor =
         refine_pose(rig_, pairs, {Eigen::Isometry3d::Identity(), std::nullopt, 0.0})
             .T_current_previous;
+    const Eigen::Vector3d turned =
+        base::vector_from_rotation(Eigen::Quaterniond(T_cam_anchor.linear()));
+    const Eigen::Vector3d moved = T_cam_anchor.translation();
     Eigen::Matrix<double, 6, 1> motion;
-    motion << base::vector_from_rotation(Eigen::Quaterniond(T_cam_anchor.linear())),
-        T_cam_anchor.translation();
+    motion << turned, moved;
+    const Eigen::Matrix<double, 6, 6> covariance = motion_covariance(rig_, pairs, T_cam_anchor);
     const double noise = noise_of(rig_, pairs, T_cam_anchor);
-    const double chi_squared =
-        motion.dot(motion_covariance(rig_, pairs, T_cam_anchor).ldlt().solve(motion)) /
-        (noise * noise);
-    return chi_squared < kMaxChiSquared ? Eigen::Isometry3d::Identity() : T_cam_anchor.inverse();
+    if (motion.dot(covariance.ldlt().solve(motion)) < kMaxChiSquared * noise * noise)
+        return Eigen::Isometry3d::Identity();
+    const Eigen::Vector3d weighted =
+        covariance.bottomRightCorner<3, 3>().ldlt().solve(moved);
+    if (moved.dot(weighted) > kMaxChiSquaredOfThree * noise * noise) return T_cam_anchor.inverse();
+    Eigen::Isometry3d T_anchor_cam = Eigen::Isometry3d::Identity();
+    T_anchor_cam.linear() =
+        base::rotation_from_vector(covariance.topRightCorner<3, 3>() * weighted - turned)
+            .toRotationMatrix();
+    return T_anchor_cam;
 }
 
 }  // namespace divemesh::odometry

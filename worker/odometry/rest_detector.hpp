@@ -13,7 +13,8 @@ namespace divemesh::odometry {
 // Recognises a rig that stands still or hardly moves. Each frame is compared with an anchor, the
 // first frame of the rest, not with the frame before: however slowly the rig moves, its distance
 // from the anchor grows until it shows. So a rest hides no more motion than the noise of a single
-// pose, and nothing accumulates while it lasts.
+// pose, and nothing accumulates while it lasts. Features that appear during the rest join the
+// anchor, so that it outlasts a person who walks past.
 class RestDetector {
 public:
     explicit RestDetector(const types::RectifiedRig& rig) : rig_(rig) {}
@@ -25,7 +26,10 @@ public:
                                            const types::Features& features,
                                            const Eigen::Isometry3d& T_world_cam);
     // Begins anew with the next frame: the map has changed, or sensors say that the rig moves.
-    void restart() { anchor_.clear(); }
+    void restart() {
+        anchor_.clear();
+        hardly_moves_ = false;
+    }
 
     // Returns true if the last frame's image had hardly moved since an earlier frame, however
     // recent.
@@ -37,11 +41,13 @@ public:
 
 private:
     bool hardly_moved(const PointPairs& pairs) const;
+    void join_anchor(const types::Features& features);
     Eigen::Isometry3d significant_motion(const PointPairs& pairs) const;
 
     types::RectifiedRig rig_;
     types::Features anchor_;
     std::int64_t anchor_ns_ = 0;
+    std::int64_t last_ns_ = 0;
     bool hardly_moves_ = false;
     Eigen::Isometry3d T_world_anchor_ = Eigen::Isometry3d::Identity();
     Eigen::Isometry3d T_anchor_cam_ = Eigen::Isometry3d::Identity();

@@ -25,7 +25,7 @@ namespace {
 constexpr int kMaxAttempts = 5;
 constexpr double kMinDepth_m = 0.05;
 constexpr int kNumPasses = 2;  // the first makes the motion more accurate for the second
-// A rig at rest needs a new keyframe if it has fewer features.
+// With fewer static features new ones are looked for at once.
 constexpr std::size_t kFewFeatures = 60;
 // A rig that turns faster than one degree a second does not rest, whatever the images show.
 constexpr std::int64_t kTurnTime_ns = 500'000'000;
@@ -89,7 +89,10 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
         !scene_.confirms(seen.vision, expected))
         seen = recover(frame, rotation, expected, std::move(seen));
     const odometry::Registration& vision = seen.vision;
-    const auto guess = odometry::predict_orientation(rotation, vision);  // 5
+    // At rest vision does not drift, but the gyroscope does.
+    const auto guess = odometry::predict_orientation(  // 5
+        rest_.hardly_moves() ? std::nullopt : rotation,
+        vision);
     const auto estimated =                                               // 6
         vision.found ? summary_.counted(odometry::refine_pose(rig_, vision.inliers, guess))
                      : expected;
@@ -117,9 +120,11 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
     features_ = odometry::without_dynamic_features(seen.tracks, seen.pairs, vision);
     odometry::add_lost_features(
         frame, T_current_previous, options_.num_disparities_px, scene_, tracker_, features_);
-    const bool needed = !at_rest || vision.inliers.size() < kFewFeatures;
-    const bool keep = first || (vision.found && needed && map_.due(features_, now_ns));
-    if (keep || !vision.found)
+    // A rig that hardly moves sees nothing new, however much passes in front of it.
+    const bool few = vision.inliers.size() < kFewFeatures;
+    const bool keep =
+        first || (vision.found && !rest_.hardly_moves() && map_.due(features_, now_ns));
+    if (keep || !vision.found || few)
         odometry::add_new_features(
             rig_, frame, {}, options_.num_disparities_px, tracker_, features_);
     if (!vision.found)
@@ -276,7 +281,8 @@ std::optional<features::DescribedKeypoints> WindowTracker::keep_keyframe(
 std::optional<Eigen::Isometry3d> WindowTracker::watch_rest(const odometry::Registration& vision,
                                                            const Eigen::Isometry3d& estimated,
                                                            std::int64_t now_ns) {
-    if (!vision.found || turns_by_gyroscope(now_ns)) {
+    if (!vision.found) return std::nullopt;
+    if (turns_by_gyroscope(now_ns)) {
         rest_.restart();
         return std::nullopt;
     }
