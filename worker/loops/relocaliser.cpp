@@ -13,6 +13,16 @@ namespace {
 
 constexpr std::size_t kNumKeyframes = 3;  // further ones are found as loops, after tracking
 
+// Confirmed features of a keyframe that are enough to recognise a frame, or to contradict it.
+constexpr std::size_t kMinConfirmed = 5;
+
+bool in_sight(const types::RectifiedRig& rig, const Eigen::Vector3d& p_cam) {
+    if (p_cam.z() <= 0.0) return false;
+    const Eigen::Vector2d pixel = rig.pixel(p_cam);
+    return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() < rig.width_px &&
+           pixel.y() < rig.height_px;
+}
+
 // Returns the keypoints by which loops are found. Their disparities are measured by searching along
 // the rows of the right image.
 features::DescribedKeypoints loop_keypoints(const types::RectifiedFrame& frame,
@@ -81,7 +91,7 @@ std::optional<Relocaliser::Recognised> Relocaliser::recognise_from(
     Eigen::Isometry3d T_current_keyframe) const {
     types::Features features = keyframe.features;
     std::erase_if(features, [&](const types::Feature& feature) {
-        return !keyframe.confirmed.contains(feature.id);
+        return keyframe.missed.contains(feature.id) && !keyframe.confirmed.contains(feature.id);
     });
     std::vector<KnownPoint> points;
     for (const types::Feature& feature : features)
@@ -99,8 +109,27 @@ std::optional<Relocaliser::Recognised> Relocaliser::recognise_from(
         recognised.in_keyframe.push_back(features[i]);
         recognised.features.push_back(feature);
     }
+    if (contradicts(keyframe, T_current_keyframe, recognised.features)) return std::nullopt;
     features::match_sparse_stereo(frame, {}, num_disparities_px_, recognised.features);
     return recognised;
+}
+
+// Returns true if the confirmed features of a keyframe speak against a motion to the current frame:
+// it leaves enough of them in sight, but was found by others.
+bool Relocaliser::contradicts(const KeptKeyframe& keyframe,
+                              const Eigen::Isometry3d& T_current_keyframe,
+                              const types::Features& found) const {
+    std::size_t num_in_sight = 0;
+    for (const types::Feature& feature : keyframe.features)
+        if (keyframe.confirmed.contains(feature.id) &&
+            in_sight(rig_, T_current_keyframe * types::point_cam(rig_, feature)))
+            ++num_in_sight;
+    const auto num_found = static_cast<std::size_t>(
+        std::count_if(found.begin(), found.end(), [&](const types::Feature& feature) {
+            return keyframe.confirmed.contains(feature.id);
+        }));
+    return num_in_sight >= kMinConfirmed && num_found < kMinConfirmed &&
+           4 * num_found < found.size();
 }
 
 void Relocaliser::relocalise(const types::RectifiedFrame& frame,
@@ -119,16 +148,25 @@ std::optional<features::DescribedKeypoints> Relocaliser::keep(
     const types::Features& features,
     const Eigen::Isometry3d& T_world_cam) {
     if (keyframes_.size() == kNumKeyframes) keyframes_.pop_back();
-    keyframes_.push_front({current(frame), features, {}, T_world_cam});
+    keyframes_.push_front({current(frame), features, {}, {}, T_world_cam});
     std::erase_if(keyframes_.front().features,
                   [](const types::Feature& feature) { return !types::has_depth(feature); });
     if (!close_loops_) return std::nullopt;
     return loop_keypoints(frame, num_disparities_px_);
 }
 
-void Relocaliser::confirm(const odometry::PointPairs& inliers) {
-    for (KeptKeyframe& keyframe : keyframes_)
-        for (const odometry::PointPair& pair : inliers) keyframe.confirmed.insert(pair.id);
+void Relocaliser::confirm(const odometry::PointPairs& inliers,
+                          const Eigen::Isometry3d& T_world_cam) {
+    std::unordered_set<std::int64_t> followed;
+    for (const odometry::PointPair& pair : inliers) followed.insert(pair.id);
+    for (KeptKeyframe& keyframe : keyframes_) {
+        const Eigen::Isometry3d T_cam_keyframe = T_world_cam.inverse() * keyframe.T_world_cam;
+        for (const types::Feature& feature : keyframe.features)
+            if (followed.contains(feature.id))
+                keyframe.confirmed.insert(feature.id);
+            else if (in_sight(rig_, T_cam_keyframe * types::point_cam(rig_, feature)))
+                keyframe.missed.insert(feature.id);
+    }
 }
 
 void Relocaliser::pass(const types::RectifiedFrame& frame) {

@@ -60,9 +60,10 @@ public:
     std::optional<features::DescribedKeypoints> keep(const types::RectifiedFrame& frame,
                                                      const types::Features& features,
                                                      const Eigen::Isometry3d& T_world_cam);
-    // Tells that features follow the scene's motion. Keyframes are recognised by such features
-    // alone: others may be on something that moves by itself.
-    void confirm(const odometry::PointPairs& inliers);
+    // Takes in the features that follow the scene's motion in a frame with this pose. A keyframe's
+    // features that are in sight of it and not among them may be on something that moves by itself,
+    // and no frame is recognised by them.
+    void confirm(const odometry::PointPairs& inliers, const Eigen::Isometry3d& T_world_cam);
     // Stores the frame as the previous one.
     void pass(const types::RectifiedFrame& frame);
 
@@ -75,7 +76,8 @@ private:
     struct KeptKeyframe {
         View view;
         types::Features features;  // those with depth
-        std::unordered_set<std::int64_t> confirmed;
+        std::unordered_set<std::int64_t> confirmed;  // of these, in a later frame
+        std::unordered_set<std::int64_t> missed;     // in sight of a later frame, but not followed
         Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
     };
     const SiftKeypoints& described(View& view) const;
@@ -87,6 +89,9 @@ private:
     std::optional<Recognised> recognise_from(const KeptKeyframe& keyframe,
                                              const types::RectifiedFrame& frame,
                                              Eigen::Isometry3d T_current_keyframe) const;
+    bool contradicts(const KeptKeyframe& keyframe,
+                     const Eigen::Isometry3d& T_current_keyframe,
+                     const types::Features& found) const;
 
     types::RectifiedRig rig_;
     bool close_loops_;

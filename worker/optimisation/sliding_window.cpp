@@ -108,9 +108,21 @@ types::SolverOutcome SlidingWindow::adjust() {
     add_readings(bundle_adjustment);
     types::SolverOutcome outcome = bundle_adjustment.solve_dense(kMaxIterations);
     for (std::size_t k = oldest_; k < num; ++k)
-        keyframes_[k].T_world_cam = entries_[k].state.T_world_imu() * rig_.T_imu_cam;
+        move_keyframe(k, entries_[k].state.T_world_imu() * rig_.T_imu_cam);
     drop_outliers();
     return outcome;
+}
+
+// Gives a keyframe its adjusted pose. A landmark that it alone has seen stays where the keyframe saw
+// it, so that the next one finds it there.
+void SlidingWindow::move_keyframe(std::size_t k, const Eigen::Isometry3d& T_world_cam) {
+    const Eigen::Isometry3d correction = T_world_cam * keyframes_[k].T_world_cam.inverse();
+    for (const std::size_t index : entries_[k].landmarks) {
+        types::Landmark& landmark = landmarks_[index].whole;
+        if (landmark.observations.size() == 1 && seen_at(landmark.observations.front(), k))
+            landmark.p_world = correction * landmark.p_world;
+    }
+    keyframes_[k].T_world_cam = T_world_cam;
 }
 
 // Returns the first keyframe of the window. Keyframes without motion do not push out those with

@@ -64,6 +64,7 @@ private:
         types::Landmark whole;
         std::size_t first_in_window = 0;
     };
+    void move_keyframe(std::size_t k, const Eigen::Isometry3d& T_world_cam);
     std::size_t first_in_window() const;
     // Returns true if sensor readings connect a keyframe with the previous one.
     bool chained(std::size_t k) const;

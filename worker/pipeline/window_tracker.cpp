@@ -143,7 +143,7 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
         tracked.to_map = {
             {}, {std::move(view), moving_.now(), odometry::static_features(vision), range}};
     }
-    memory_.confirm(scene_.known(vision.inliers));
+    if (vision.found) memory_.confirm(scene_.known(vision.inliers), motion_.T_world_cam());
     memory_.pass(frame);
     return tracked;
 }
