@@ -75,7 +75,7 @@ private:
     };
     struct KeptKeyframe {
         View view;
-        types::Features features;  // those with depth
+        types::Features features;                    // those with depth
         std::unordered_set<std::int64_t> confirmed;  // of these, in a later frame
         std::unordered_set<std::int64_t> missed;     // in sight of a later frame, but not followed
         Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();

@@ -11,15 +11,15 @@
 namespace divemesh::odometry {
 namespace {
 
-constexpr std::int64_t kMinAge_ns = 150'000'000;      // until a feature counts as known
+constexpr std::int64_t kMinAge_ns = 150'000'000;  // until a feature counts as known
 constexpr std::int64_t kMaxUnseen_ns = 3'000'000'000;
-constexpr double kStays_px = 1.5;                     // from the first position, in the left image
+constexpr double kStays_px = 1.5;  // from the first position, in the left image
 constexpr std::size_t kMinKnown = 5;
 // Share of the known features in sight that have to be inliers, relative to that of the others.
 constexpr double kMinRelativeShare = 0.3;
 constexpr double kMinShareOfPairs = 0.75;
-constexpr double kNear = 0.08;      // of the image width: features on the same part of the image
-constexpr double kInFront = 0.8;    // of the known depth
+constexpr double kNear = 0.08;    // of the image width: features on the same part of the image
+constexpr double kInFront = 0.8;  // of the known depth
 constexpr std::size_t kMinCompared = 8;
 constexpr double kMinDepth_m = 0.05;
 
@@ -93,8 +93,7 @@ bool KnownScene::contradicts(const types::Features& previous,
                              const PointPairs& pairs,
                              const Registration& vision) const {
     const std::size_t num_known = known(pairs).size();
-    if (num_known >= kMinKnown &&
-        share(known(vision.inliers).size(), num_known) < kMinShareOfPairs)
+    if (num_known >= kMinKnown && share(known(vision.inliers).size(), num_known) < kMinShareOfPairs)
         return true;
     const auto inliers = ids_of(vision.inliers);
     std::array<std::size_t, 2> num_in_sight = {};  // of other features, of known ones

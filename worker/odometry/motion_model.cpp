@@ -24,7 +24,6 @@ void MotionModel::start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_wo
     T_world_cam_ = T_world_cam;
 }
 
-// Returns true if vision has not measured the last motions, for longer than the IMU can carry.
 bool MotionModel::is_lost(std::int64_t timestamp_ns) const {
     return seen_ns_ < timestamp_ns_ && seconds(timestamp_ns - seen_ns_) > kMaxCarried_s;
 }

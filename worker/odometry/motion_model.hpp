@@ -39,12 +39,14 @@ public:
     // Tells that the rig rests at the last pose.
     void rest();
 
+    // Returns true if vision has not measured the last motions, for longer than the IMU can carry.
+    bool is_lost(std::int64_t timestamp_ns) const;
+
     bool started() const { return started_; }
     const Eigen::Isometry3d& T_world_cam() const { return T_world_cam_; }
     std::int64_t timestamp_ns() const { return timestamp_ns_; }
 
 private:
-    bool is_lost(std::int64_t timestamp_ns) const;
     // T_previous_current.
     Eigen::Isometry3d predict_by_imu(const imu::PreintegratedImu& motion) const;
 

@@ -13,9 +13,9 @@ namespace divemesh::odometry {
 // Step 4 with the rotation known from the gyroscope: one pair gives the translation, so that few
 // iterations find the motion among many outliers, on planes too. `expected` (T_current_previous) is
 // tried first. If the rotation is unknown, or too few pairs agree with it, register_points runs as
-// well, and without a rotation `expected`, and the best result is taken. The returned motion is refined over the inliers by vision
-// alone. If the inliers and the known rotation leave a part of the motion undetermined, the result
-// is degenerate and not `found`.
+// well, and without a rotation `expected`, and the best result is taken. The returned motion is
+// refined over the inliers by vision alone. If the inliers and the known rotation leave a part of
+// the motion undetermined, the result is degenerate and not `found`.
 Registration register_with_rotation(const types::RectifiedRig& rig,
                                     const PointPairs& pairs,
                                     const std::optional<types::KnownRotation>& rotation,

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::int64_t kMinRest_ns = 1'000'000'000;
 constexpr std::size_t kMinNumPairs = 30;
-constexpr std::size_t kMinNumPairsAtRest = 6;   // once the rig rests
+constexpr std::size_t kMinNumPairsAtRest = 6;  // once the rig rests
 constexpr std::int64_t kMaxUnseen_ns = 2'000'000'000;
 constexpr double kMoved_px = 1.0;  // median shift since the anchor
 // 99 % of a chi-squared variable with six degrees of freedom.
@@ -72,18 +72,18 @@ std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
 
 void RestDetector::join_anchor(const types::Features& features) {
     types::Features all;
-    std::set_union(
-        anchor_.begin(),
-        anchor_.end(),
-        features.begin(),
-        features.end(),
-        std::back_inserter(all),
-        [](const types::Feature& a, const types::Feature& b) { return a.id < b.id; });
+    std::set_union(anchor_.begin(),
+                   anchor_.end(),
+                   features.begin(),
+                   features.end(),
+                   std::back_inserter(all),
+                   [](const types::Feature& a, const types::Feature& b) { return a.id < b.id; });
     anchor_ = std::move(all);
 }
 
 bool RestDetector::hardly_moved(const PointPairs& pairs) const {
-    return pairs.size() >= (hardly_moves_ ? kMinNumPairsAtRest : kMinNumPairs) && median_shift_px(pairs) < kMoved_px;
+    return pairs.size() >= (hardly_moves_ ? kMinNumPairsAtRest : kMinNumPairs) &&
+           median_shift_px(pairs) < kMoved_px;
 }
 
 // Returns T_anchor_cam: the identity if noise explains the motion, a rotation if noise explains its
@@ -101,8 +101,7 @@ Eigen::Isometry3d RestDetector::significant_motion(const PointPairs& pairs) cons
     const double noise = noise_of(rig_, pairs, T_cam_anchor);
     if (motion.dot(covariance.ldlt().solve(motion)) < kMaxChiSquared * noise * noise)
         return Eigen::Isometry3d::Identity();
-    const Eigen::Vector3d weighted =
-        covariance.bottomRightCorner<3, 3>().ldlt().solve(moved);
+    const Eigen::Vector3d weighted = covariance.bottomRightCorner<3, 3>().ldlt().solve(moved);
     if (moved.dot(weighted) > kMaxChiSquaredOfThree * noise * noise) return T_cam_anchor.inverse();
     Eigen::Isometry3d T_anchor_cam = Eigen::Isometry3d::Identity();
     T_anchor_cam.linear() =

@@ -60,8 +60,7 @@ bool well_supported(const types::RectifiedRig& rig,
     if (!motion.found || num_cells(rig, motion.inliers) < kMinCells) return false;
     const bool most_agree = share(num, motion.num_pairs) >= kMinShareOfPairs;
     if (!most_agree) return false;
-    if (is_near_prediction(rig, motion.inliers, expected))
-        return num >= kMinSupportNearPrediction;
+    if (is_near_prediction(rig, motion.inliers, expected)) return num >= kMinSupportNearPrediction;
     return num >= kMinSupport && share(num, num_previous) >= kMinShareOfPrevious;
 }
 

@@ -113,8 +113,8 @@ types::SolverOutcome SlidingWindow::adjust() {
     return outcome;
 }
 
-// Gives a keyframe its adjusted pose. A landmark that it alone has seen stays where the keyframe saw
-// it, so that the next one finds it there.
+// Gives a keyframe its adjusted pose. A landmark that it alone has seen stays where the keyframe
+// saw it, so that the next one finds it there.
 void SlidingWindow::move_keyframe(std::size_t k, const Eigen::Isometry3d& T_world_cam) {
     const Eigen::Isometry3d correction = T_world_cam * keyframes_[k].T_world_cam.inverse();
     for (const std::size_t index : entries_[k].landmarks) {

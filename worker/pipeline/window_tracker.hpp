@@ -3,19 +3,15 @@
 #include <optional>
 
 #include "schemas/reconstruction_options.hpp"
-#include "worker/features/track_features.hpp"
-#include "worker/imu/inertial_prior.hpp"
 #include "worker/imu/sensor_watch.hpp"
 #include "worker/keyframes/mapping_rule.hpp"
-#include "worker/loops/relocaliser.hpp"
-#include "worker/odometry/dynamic_features.hpp"
 #include "worker/odometry/imu_aligner.hpp"
-#include "worker/odometry/known_scene.hpp"
-#include "worker/odometry/motion_model.hpp"
-#include "worker/odometry/rest_detector.hpp"
 #include "worker/odometry/track_summary.hpp"
-#include "worker/pipeline/keyframe_map.hpp"
+#include "worker/pipeline/observe_frame.hpp"
+#include "worker/pipeline/recovery.hpp"
+#include "worker/pipeline/rest_watch.hpp"
 #include "worker/pipeline/track_frames.hpp"
+#include "worker/pipeline/tracking_state.hpp"
 #include "worker/types/rectified_rig.hpp"
 
 namespace divemesh::pipeline {
@@ -36,64 +32,29 @@ public:
     const imu::SensorWatch& sensors() const { return sensors_; }
 
 private:
-    // Steps 2 to 4 for one frame.
-    struct Observed {
-        types::Features tracks;
-        odometry::PointPairs measured;  // by their depth at both times
-        odometry::PointPairs pairs;     // by landmarks where there are
-        odometry::Registration vision;
-        bool predicted = true;  // the features were found where the motion model predicted them
-    };
-    Observed observe(const types::RectifiedFrame& frame,
-                     types::Features tracks,
-                     const std::optional<types::KnownRotation>& rotation,
-                     const Eigen::Isometry3d& expected);
-    // Returns the motion of the pairs. Features that have just appeared do not outvote the known
-    // scene.
-    odometry::Registration register_pairs(const types::RectifiedFrame& frame,
-                                          const odometry::PointPairs& pairs,
-                                          const std::optional<types::KnownRotation>& rotation,
-                                          const Eigen::Isometry3d& expected) const;
-    // Registers the frame by descriptors, to the previous frame or to one of the last keyframes,
-    // and tracks its features again from there. Returns what supports the motion best.
-    Observed recover(const types::RectifiedFrame& frame,
-                     const std::optional<types::KnownRotation>& rotation,
-                     const Eigen::Isometry3d& expected,
-                     Observed predicted);
-    std::optional<Observed> follow_wide(const types::RectifiedFrame& frame,
-                                        const loops::MotionPrior& prior);
-    std::optional<Observed> recognise(const types::RectifiedFrame& frame,
-                                      const std::optional<types::KnownRotation>& rotation,
-                                      const Eigen::Isometry3d& expected);
-    // Returns T_current_previous of a rig that hardly moves; nullopt if it moves.
-    std::optional<Eigen::Isometry3d> watch_rest(const odometry::Registration& vision,
-                                                const Eigen::Isometry3d& estimated,
-                                                std::int64_t now_ns);
-    bool turns_by_gyroscope(std::int64_t now_ns) const;
-    // Uses that the rig has hardly moved for some time.
-    void rest(std::int64_t now_ns);
+    // Steps 2 to 4, by descriptors where the prediction does not reach.
+    Observed observe(const types::RectifiedFrame& frame, const PredictedMotion& prediction);
+    // Takes the features to follow from the frame.
+    void choose_features(const types::RectifiedFrame& frame,
+                         const Observed& seen,
+                         const Eigen::Isometry3d& T_current_previous);
     // Compares the sensors with what vision measured.
-    void watch_sensors(const odometry::PointPairs& measured,
-                       const odometry::Registration& vision,
-                       std::int64_t before_ns,
-                       std::int64_t now_ns);
-    // Returns the keypoints of the keyframe; nullopt: loops are not searched for.
-    std::optional<features::DescribedKeypoints> keep_keyframe(const types::RectifiedFrame& frame);
+    void watch_sensors(const Observed& seen, std::int64_t before_ns, std::int64_t now_ns);
+    // Keeps the frame as a keyframe if one is due, and looks for new features where they are few.
+    // Returns true if it was kept.
+    bool keep_if_due(const types::RectifiedFrame& frame, const odometry::Registration& vision);
+    // Returns the frame's data for mapping; nullopt if it is not mapped.
+    std::optional<FrameToMap> to_map(const odometry::Registration& vision, bool kept);
 
-    types::RectifiedRig rig_;
-    ReconstructionOptions options_;
-    features::FeatureTracker tracker_;
-    imu::InertialPrior inertial_;
+    TrackingState state_;
+    Recovery recovery_;
+    RestWatch rest_;
     odometry::ImuAligner aligner_;
     imu::SensorWatch sensors_;
-    KeyframeMap map_;
-    loops::Relocaliser memory_;
     keyframes::MappingRule mapping_rule_;
-    odometry::MotionModel motion_;
-    odometry::DynamicFeatures moving_;
-    odometry::KnownScene scene_;
-    odometry::RestDetector rest_;
-    types::Features features_;  // static ones, as the last frame had them
+    std::optional<features::DescribedKeypoints> view_;  // of a keyframe, for loop closure
+    bool ever_found_ = false;                           // vision has measured a motion
+    bool in_the_dark_ = false;  // vision has not followed the first keyframe
     odometry::TrackSummary summary_;
 };
 

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+
+#include "worker/odometry/register_points.hpp"
+#include "worker/odometry/with_depth_at_both_times.hpp"
+#include "worker/pipeline/tracking_state.hpp"
+#include "worker/types/feature.hpp"
+#include "worker/types/keyframe.hpp"
+#include "worker/types/known_rotation.hpp"
+
+namespace divemesh::pipeline {
+
+// The motion to a frame as predicted before its features are tracked.
+struct PredictedMotion {
+    std::optional<types::KnownRotation> rotation;  // by the inertial sensors
+    Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
+};
+
+// A frame after steps 2 to 4.
+struct Observed {
+    types::Features tracks;
+    odometry::PointPairs measured;  // by their depth at both times
+    odometry::PointPairs pairs;     // by landmarks where there are
+    odometry::Registration vision;
+    bool predicted = true;  // the features were found where the motion model predicted them
+};
+
+// Returns the frame with the motion of its tracks. Features that have just appeared confirm a
+// motion of the known scene, but do not outvote it.
+Observed observe_frame(TrackingState& state,
+                       const types::RectifiedFrame& frame,
+                       types::Features tracks,
+                       const PredictedMotion& prediction);
+
+}  // namespace divemesh::pipeline

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <optional>
+
+#include "worker/imu/inertial_prior.hpp"
+#include "worker/odometry/motion_model.hpp"
+#include "worker/odometry/register_points.hpp"
+#include "worker/odometry/rest_detector.hpp"
+#include "worker/types/rectified_rig.hpp"
+
+namespace divemesh::pipeline {
+
+// Recognises a rig at rest by images and gyroscope together.
+class RestWatch {
+public:
+    RestWatch(const types::RectifiedRig& rig,
+              imu::InertialPrior& inertial,
+              odometry::MotionModel& motion)
+        : rig_(rig), inertial_(inertial), motion_(motion), detector_(rig) {}
+
+    // Returns T_current_previous of a rig that hardly moves, given the motion as estimated; nullopt
+    // if it moves. `motion` is still at the previous frame.
+    std::optional<Eigen::Isometry3d> watch(const odometry::Registration& vision,
+                                           const Eigen::Isometry3d& estimated,
+                                           std::int64_t now_ns);
+    // Uses that the rig rests, once `motion` has advanced to the frame.
+    void settle(std::int64_t now_ns);
+    // Begins anew: the map has changed.
+    void restart() { detector_.restart(); }
+    // Returns true if the image has hardly moved since an earlier frame, however recent.
+    bool hardly_moves() const { return detector_.hardly_moves(); }
+
+private:
+    bool turns_by_gyroscope(std::int64_t now_ns) const;
+
+    types::RectifiedRig rig_;
+    imu::InertialPrior& inertial_;
+    odometry::MotionModel& motion_;
+    odometry::RestDetector detector_;
+};
+
+}  // namespace divemesh::pipeline
