@@ -5,8 +5,9 @@ namespace {
 
 constexpr double kMinShare = 0.65;  // of the last keyframe's features still tracked
 constexpr std::size_t kMinTracked = 50;
-constexpr double kMaxShift = 0.06;   // median, of the image width
-constexpr double kMinShift = 0.002;  // below it the camera stands still
+constexpr std::size_t kMinTies = 10;  // while the camera stands still
+constexpr double kMaxShift = 0.06;    // median, of the image width
+constexpr double kMinShift = 0.002;   // below it the camera stands still
 constexpr std::int64_t kMaxKeyframeInterval_ns = 1'000'000'000;
 
 }  // namespace
@@ -22,6 +23,10 @@ bool KeyframeRule::due(const types::Features& features, std::int64_t timestamp_n
     const double shift = median_px / width_px_;
     return shift > kMaxShift ||
            (shift > kMinShift && timestamp_ns - timestamp_ns_ > kMaxKeyframeInterval_ns);
+}
+
+bool KeyframeRule::due_at_rest(const types::Features& features) const {
+    return shift_.since(features).num_shared < kMinTies;
 }
 
 void KeyframeRule::taken(const types::Features& features, std::int64_t timestamp_ns) {

@@ -15,6 +15,9 @@ public:
     explicit KeyframeRule(const types::RectifiedRig& rig) : width_px_(rig.width_px) {}
 
     bool due(const types::Features& features, std::int64_t timestamp_ns);
+    // Returns true if a camera that stands still needs a keyframe: hardly any features are left
+    // that would tie a later one to the last.
+    bool due_at_rest(const types::Features& features) const;
     void taken(const types::Features& features, std::int64_t timestamp_ns);
 
 private:

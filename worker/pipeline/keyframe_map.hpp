@@ -28,6 +28,7 @@ public:
     bool due(const types::Features& features, std::int64_t timestamp_ns) {
         return rule_.due(features, timestamp_ns);
     }
+    bool due_at_rest(const types::Features& features) const { return rule_.due_at_rest(features); }
 
     // Adds a keyframe, and gives the corrected pose to `motion` and the corrected bias to
     // `inertial`.

@@ -129,9 +129,11 @@ bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,
     // A rig that hardly moves sees nothing new, however much passes in front of it.
     const bool rests = rest_.hardly_moves();
     const bool begins = vision.found && std::exchange(in_the_dark_, false);
-    const bool keep =
-        state_.map.empty() || begins ||
-        (vision.found && !rests && state_.map.due(state_.features, frame.timestamp_ns));
+    const auto is_due = [&] {
+        return rests ? state_.map.due_at_rest(state_.features)
+                     : state_.map.due(state_.features, frame.timestamp_ns);
+    };
+    const bool keep = state_.map.empty() || begins || (vision.found && is_due());
     if (keep || !vision.found || (rests && vision.inliers.size() < kFewFeatures))
         odometry::add_new_features(state_.rig,
                                    frame,

@@ -89,7 +89,7 @@ TEST(RelocaliserTest, RecognisesAKeyframeAndItsFeatures) {
     T_world_lost.translation().x() += 20.0;
     relocaliser.pass(frame_at(T_world_lost, 1));
 
-    const auto recognised = relocaliser.recognise(frame_at(wide_step(), 2), kSeed);
+    const auto recognised = relocaliser.recognise(frame_at(wide_step(), 2), T_world_lost, kSeed);
 
     ASSERT_TRUE(recognised);
     EXPECT_THAT(recognised->T_world_cam, synthetic::IsPoseWithin(wide_step(), 0.2, 0.01));
@@ -101,6 +101,24 @@ TEST(RelocaliserTest, RecognisesAKeyframeAndItsFeatures) {
         const Eigen::Vector3d p_cam = wide_step().inverse() * types::point_cam(rig, then);
         EXPECT_LT((rig.pixel(p_cam) - recognised->features[i].pixel).norm(), 1.0);
     }
+}
+
+TEST(RelocaliserTest, FeaturesThatDidNotFollowTheSceneRecogniseNothing) {
+    const types::RectifiedRig rig = synthetic::small_rig();
+    const Eigen::Isometry3d T_world_keyframe = Eigen::Isometry3d::Identity();
+    types::Features features;
+    for (int i = 0; i < 200; ++i) {
+        types::Feature feature{100 + i, {15.0 + 15.0 * (i % 20), 15.0 + 22.0 * (i / 20)}, 0.0};
+        feature.disparity_px = rig.disparity_px(SeaFloor::kDepth_m);
+        features.push_back(feature);
+    }
+    Relocaliser relocaliser(rig, false, kNumDisparities_px);
+    const types::RectifiedFrame keyframe = frame_at(T_world_keyframe, 0);
+    relocaliser.keep(keyframe, features, T_world_keyframe);
+    relocaliser.pass(keyframe);
+    relocaliser.confirm({}, T_world_keyframe);  // all were in sight, none followed
+
+    EXPECT_FALSE(relocaliser.recognise(frame_at(wide_step(), 2), wide_step(), kSeed));
 }
 
 }  // namespace

@@ -64,5 +64,35 @@ TEST(RestDetectorTest, ARestNeverHidesMoreThanTheNoiseOfOnePose) {
     EXPECT_LT(watched.worst_m, 1.5e-3);
 }
 
+TEST(RestDetectorTest, ARestOutlastsWhatHidesMostOfTheScene) {
+    synthetic::World world(2.0, 0.0, 7);
+    RestDetector detector(synthetic::rig());
+    const Eigen::Isometry3d pose = at({1.0, 0.0, 0.0});
+    for (int k = 0; k < 60; ++k) {
+        types::Features seen = world.see(pose, k, kNoise_px);
+        if (k >= 30 && k < 40) seen.resize(8);
+        const auto rest = detector.watch(std::int64_t{100'000'000} * k, seen, pose);
+        if (k < 20) continue;
+        ASSERT_TRUE(rest) << k;
+        EXPECT_LT((rest->translation() - pose.translation()).norm(), 5e-3) << k;
+    }
+}
+
+TEST(RestDetectorTest, FeaturesThatAppearDuringARestJoinIt) {
+    synthetic::World world(2.0, 0.0, 7);
+    RestDetector detector(synthetic::rig());
+    const Eigen::Isometry3d pose = at({1.0, 0.0, 0.0});
+    for (int k = 0; k < 60; ++k) {
+        const types::Features all = world.see(pose, k, kNoise_px);
+        const auto middle = all.begin() + static_cast<std::ptrdiff_t>(all.size() / 2);
+        const types::Features seen = k < 30   ? types::Features(all.begin(), middle)
+                                     : k < 40 ? all
+                                              : types::Features(middle, all.end());
+        const auto rest = detector.watch(std::int64_t{100'000'000} * k, seen, pose);
+        if (k < 20) continue;
+        ASSERT_TRUE(rest) << k;
+    }
+}
+
 }  // namespace
 }  // namespace divemesh::odometry
