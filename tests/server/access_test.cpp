@@ -20,7 +20,7 @@ std::string some_path(std::string_view pattern) {
     return path;
 }
 
-// With the ids that exist; nothing for a route about something else.
+// Returns the path with the ids that exist; nullopt for a route about something else.
 std::optional<std::string> filled_path(std::string_view pattern,
                                        const std::map<std::string, std::string>& ids) {
     std::string path;
@@ -37,7 +37,7 @@ std::optional<std::string> filled_path(std::string_view pattern,
     return path;
 }
 
-// What lets a request of the route pass the checks before the one of what it is about.
+// Returns headers with which a request of the route passes the checks before that of its subject.
 Headers any_headers(const api::Route& route) {
     const bool bytes =
         route.method == api::verb::patch && route.path.find("uploads") != std::string_view::npos;

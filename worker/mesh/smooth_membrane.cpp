@@ -21,7 +21,7 @@ constexpr int kNumIterations = 45;  // 1 % of the way remains at that reach
 constexpr float kMaxMove_sigmas = 3.0F;
 constexpr std::size_t kSlice = 2048;  // vertices per task of a thread
 
-// With a zero as fourth component, so that a point is one load.
+// Points have a zero as fourth component, so that one is loaded at once.
 using Points = std::vector<Eigen::Vector4f>;
 
 class Membrane {
