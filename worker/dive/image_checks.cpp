@@ -147,8 +147,9 @@ cv::Mat check_images(int num_frames,
             "a pattern around " +
                 base::fixed(100.0 * cv::countNonZero(mask) / static_cast<double>(mask.total()), 0) +
                 " % of the image stays in place while the scene moves: text that the "
-                "camera burns in, or a part of the rig",
-            "Switch the display of time and depth off for recordings.");
+                "camera burns in, a part of the rig, or the border of a fisheye image",
+            "Switch the display of time and depth off for recordings. Keep the rig out of view; a "
+            "border does no harm.");
     return mask;
 }
 
