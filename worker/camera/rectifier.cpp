@@ -73,7 +73,8 @@ Rectifier::Rectifier(const types::Rig& rig) {
     narrow(extent, rig.cam1, right.R_camera_rectified.transpose());
     const double width = rig.cam0.width_px - 1.0;
     const double height = rig.cam0.height_px - 1.0;
-    // The widest field of view without empty borders; of a fisheye only the middle.
+    // The widest field of view without empty borders. Of a fisheye only the middle: at half of its
+    // focal length, 72 degrees to both sides at an image width of 3.1 focal lengths.
     const double native =
         0.25 * (rig.cam0.fx_px + rig.cam0.fy_px + rig.cam1.fx_px + rig.cam1.fy_px);
     const double covering =
