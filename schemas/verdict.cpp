@@ -49,6 +49,7 @@ constexpr Row kRows[] = {
     {"clock_set_back",              ""},
     {"recording_paused",            ""},
     {"camera_clocks_differ",        ""},
+    {"further_dive",                ""},
     {"image_list_missing",          ""},
     {"image_names_completed",       ""},
     {"images_fixed_pattern",        ""},

@@ -57,6 +57,7 @@ StoredDive::StoredDive(const std::filesystem::path& path,
       files_(open_source(path, scratch, limits, throttled(progress), findings_)),
       contents_(read_contents(files_, limits, findings_)),
       reader_(0, kPrefetchedPairs, {}) {
+    report_other_dives();
     pair_images();
     check_coverage(contents_, findings_);
     check_reference_mesh();
@@ -70,6 +71,14 @@ StoredDive::StoredDive(const std::filesystem::path& path,
     contents_.fixed_pattern =
         check_images(num_frames(), load_pair, contents_.frames.delay.share_fitting, findings_);
     check_motion(contents_, load_pair, progress, findings_);
+}
+
+void StoredDive::report_other_dives() {
+    for (const std::string& folder : files_.other_dives())
+        findings_.warning("further_dive",
+                          printable(folder),
+                          "there is another dive in " + printable(folder) + ": it is not used",
+                          "Give each dive by itself: its folder, or an archive of its folder.");
 }
 
 // Pairs left and right images, by their timestamps alone if nothing is known of the cameras.

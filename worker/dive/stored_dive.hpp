@@ -48,6 +48,7 @@ public:
 
 private:
     LoadedPair load(int index) const;
+    void report_other_dives();
     void pair_images();
     void check_reference_mesh();
     void check_first_images();

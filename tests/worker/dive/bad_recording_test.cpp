@@ -106,6 +106,18 @@ TEST_F(BadRecordingTest, LensDistortionThatFoldsTheImageIsRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_invertible", kCam0Yaml));
 }
 
+TEST_F(BadRecordingTest, AFisheyeThatSeesBehindItselfIsTakenUnlessItsImageFolds) {
+    tiny_.replace(
+        kCam0Yaml, "distortion_model: radial-tangential", "distortion_model: equidistant");
+    tiny_.replace(kCam0Yaml, "[50.0, 50.0", "[18.0, 18.0");
+    tiny_.replace(kCam0Yaml, "[-0.1, 0.01", "[0.01, -0.001");
+    EXPECT_THAT(findings(),
+                testing::Not(HasFinding(Severity::Warning, "calibration_distortion", kCam0Yaml)));
+
+    tiny_.replace(kCam0Yaml, "[0.01, -0.001", "[-1.0, -0.001");
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_invertible", kCam0Yaml));
+}
+
 TEST_F(BadRecordingTest, AbsurdIntrinsicsAreRefused) {
     tiny_.replace(kCam0Yaml, "[50.0, 50.0, 32.0", "[50.0, 50.0, 320.0");
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_intrinsics", kCam0Yaml));
