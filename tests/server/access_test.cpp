@@ -20,7 +20,7 @@ std::string some_path(std::string_view pattern) {
     return path;
 }
 
-// With the ids that exist; nullopt for a route about something that has none of them.
+// Returns the path with the ids that exist; nullopt for a route about something without them.
 std::optional<std::string> filled_path(std::string_view pattern,
                                        const std::map<std::string, std::string>& ids) {
     std::string path;
