@@ -58,6 +58,7 @@ constexpr Row kRows[] = {
     {"_timestamp_repeated",         ""},
     {"_timestamp_backwards",        ""},
     {"imu_zeros",                   ""},
+    {"imu_frozen",                  ""},
     {"pressure_sign",               ""},
     {"gravity_upside_down",         ""},
     {"imu_left_out",                ""},
