@@ -50,6 +50,7 @@ constexpr Row kRows[] = {
     {"recording_paused",            ""},
     {"camera_clocks_differ",        ""},
     {"further_dive",                ""},
+    {"image_repeated",              ""},
     {"image_list_missing",          ""},
     {"image_names_completed",       ""},
     {"images_fixed_pattern",        ""},
