@@ -6,13 +6,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
-#include "tests/synthetic/ideal_rig.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh::keyframes {
 namespace {
-
-types::RectifiedRig small_rig() { return synthetic::ideal_rig(160, 120, 120.0); }
 
 // Returns a frame of a wall with noise as texture, at a disparity of 12 px.
 types::RectifiedFrame wall(int index) {
