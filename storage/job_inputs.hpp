@@ -11,7 +11,7 @@ namespace divemesh::storage {
 
 // What a report or a comparison reads besides its dive.
 struct JobInputs {
-    // Of the reconstruction `job`, then of the one it is compared `with`.
+    // The artifacts of the reconstruction `job`, then of the one it is compared `with`.
     std::vector<std::vector<Artifact>> reconstructions;
     std::map<std::string, TruthFile> truth;              // by the option that names it
     std::vector<TruthFile> set_aside;                    // newer than those, but unreadable

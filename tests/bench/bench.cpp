@@ -64,8 +64,8 @@ json median_metrics(const std::vector<json>& documents) {
     return named_values;
 }
 
-// Of the stages that a trajectory needs; with surface=false nothing dense is in them, but for the
-// pairwise estimator.
+// Returns the time of the stages that a trajectory needs. With surface=false only the pairwise
+// estimator matches densely in them.
 double cpu_ms_per_frame(const json& metrics) {
     double cpu_s = 0.0;
     for (const json& stage : metrics["speed"]["stages"])
@@ -123,8 +123,8 @@ std::optional<json> run_once(const Run& run,
     return std::nullopt;
 }
 
-// Of a dive as divers bring it, from start to exit, beside the time of OpenCV's matcher alone:
-// taken in turn, so that what else the machine does burdens both.
+// Measures a dive as divers bring it, from start to exit, beside OpenCV's matcher alone. They take
+// turns, so that other load on the machine burdens both.
 json measure_speed(const Run& run,
                    const fs::path& dive,
                    const Options& options,

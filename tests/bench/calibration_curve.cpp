@@ -10,7 +10,7 @@
 namespace divemesh::bench {
 namespace {
 
-// With which a sum of squares has 95 % below `squared_ratio` times its mean; one at least.
+// Returns the number for which 95 % of sums of squares are below `squared_ratio` times their mean.
 double degrees_of_freedom(double squared_ratio) {
     double few = 1.0, many = 1e6;
     for (int halving = 0; halving < 60; ++halving) {

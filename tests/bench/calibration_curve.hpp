@@ -31,10 +31,10 @@ private:
 // Levels at which the curves are shown.
 const std::vector<double>& shown_levels();
 
-// Of an error of a normal number of standard deviation `sigma` around zero.
+// Returns the level of an error whose standard deviation is stated.
 double level_of_normal(double error, double sigma);
-// Of the length of a vector of normal numbers, whose root mean square and 95 % bound are stated: a
-// chi-square with the degrees of freedom that these two belong to.
+// Returns the level of a length whose root mean square and 95 % bound are stated: by the chi-square
+// distribution that has both.
 double level_of_length(double length, double root_mean_square, double bound_95);
 
 }  // namespace divemesh::bench

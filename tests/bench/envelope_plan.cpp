@@ -114,7 +114,7 @@ EnvelopeAxis straight_lines() {
     return axis;
 }
 
-// With masks, which tell the share of the image.
+// Its dives have masks, which tell the share of the image.
 EnvelopeAxis moving_things() {
     EnvelopeAxis axis{.name = "moving things"};
     for (const char* density : {"5", "20", "50", "100", "200"})

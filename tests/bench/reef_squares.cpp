@@ -53,7 +53,7 @@ struct Sample {
 
     double error() const { return measured - truth; }
     bool is_held() const { return low <= truth && truth <= high; }
-    // Of the error in standard deviations of the stated interval.
+    // Returns the error in standard deviations of the stated interval.
     double deviations() const { return error() / ((high - low) / (2.0 * 1.959964)); }
 };
 
@@ -194,7 +194,7 @@ double median_of(std::vector<double> values) {
     return values[values.size() / 2];
 }
 
-// Of the squares of one dive or of many.
+// Summarises the squares of one dive or of many.
 json summary(const std::vector<Sample>& samples) {
     std::vector<double> errors, widths, held, squares;
     for (const Sample& sample : samples) {

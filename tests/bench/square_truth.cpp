@@ -17,7 +17,7 @@ double area_m2(const Corners& corners) {
     return 0.5 * twice.norm();
 }
 
-// What of a convex polygon has sign * p[axis] >= sign * limit.
+// Returns the part of a convex polygon with sign * p[axis] >= sign * limit.
 Corners cut(const Corners& corners, int axis, double sign, double limit) {
     Corners kept;
     for (std::size_t i = 0; i < corners.size(); ++i) {

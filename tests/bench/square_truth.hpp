@@ -24,7 +24,7 @@ struct SquareHeights {
     double share_known() const;
 };
 
-// What is first met on the way down from z = above_m.
+// Returns the heights of the first surface on the way down from z = above_m.
 SquareHeights heights_of(const Square& square,
                          const evaluation::SurfaceIndex& surface,
                          double above_m);
@@ -42,11 +42,11 @@ struct HeightRange {
     double size_m() const { return high_m - low_m; }
 };
 std::optional<HeightRange> true_range(const SquareHeights& heights);
-// Over the plane z = plane_z_m; what is not known counts as the mean of what is.
+// Returns the volume over the plane z = plane_z_m. Unknown heights count as the mean of the others.
 double true_volume_m3(const SquareHeights& heights, double plane_z_m);
-// Of the plane that fits the heights, to the horizontal.
+// Returns the slope of the plane that fits the heights.
 double true_slope_deg(const SquareHeights& heights);
-// Of all sheets within the square.
+// Returns the area of all sheets within the square.
 double true_surface_area_m2(const Square& square, const types::Mesh& mesh);
 
 }  // namespace divemesh::bench

@@ -33,7 +33,7 @@ cv::Mat read_disparity(const fs::path& file, double scale) {
     return disparity;
 }
 
-// What the right picture's truth does not confirm is hidden there.
+// Clears the pixels that the truth of the right image does not confirm: they are hidden there.
 void leave_out_hidden(cv::Mat& left_px, const cv::Mat& right_px) {
     for (int y = 0; y < left_px.rows; ++y)
         for (int x = 0; x < left_px.cols; ++x) {
@@ -80,12 +80,10 @@ double share_bad(const cv::Mat& disparity_px, const cv::Mat& truth_px) {
 }
 
 cv::Mat match_own(const StereoPair& pair) {
-    ReconstructionOptions options;
-    options.num_disparities_px = kNumDisparities;
     types::RectifiedFrame frame;
     frame.left = pair.left;
     frame.right = pair.right;
-    return stereo::StereoMatcher({}, options).match(frame).disparity_px;
+    return stereo::StereoMatcher("sgm", kNumDisparities).match(frame).disparity_px;
 }
 
 struct OpenCvVariant {

@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 
 class AccuracyEndToEndTest : public testing::Test {
 protected:
-    // Of a dive that is reconstructed.
+    // Uploads a dive, which is reconstructed.
     std::string upload() {
         const Outcome sent =
             service.run({"upload", small_dive().string(), "--wait", "--json"}, 300s);

@@ -62,7 +62,7 @@ protected:
             {"areas", {{{"name", "c1"}, {"label", "coral"}, {"polygon", corners}}}}};
         return file.string();
     }
-    // Of the label: what became of its number.
+    // Returns how the number of the label has changed.
     static json count_of(const json& change) {
         for (const json& metric : change.at("areas").at("figures"))
             if (metric.at("figure") == "count") return metric;

@@ -18,7 +18,7 @@ namespace {
 
 class AuditTest : public TusTest {
 protected:
-    // Of requests: what the server does by itself has no method.
+    // Returns the events of requests: what the server does by itself has no method.
     std::vector<Event> audits() {
         std::vector<Event> found;
         for (Event& event : storage::EventStore(server.catalog()).since(0, "", 1000))
@@ -67,7 +67,7 @@ protected:
         EXPECT_EQ(made.status, 201) << made.body;
         return "/api/v1/webhooks/" + made.json()["id"].get<std::string>();
     }
-    // Of an event that is not sent yet, or could not be.
+    // Returns the path of an event that is not sent yet, or could not be.
     std::string new_delivery() {
         const auto webhook = new_webhook();
         deleted_dive();

@@ -32,7 +32,7 @@ protected:
         enqueue(dive);
         return succeed(ate(value));
     }
-    // Of its newest reconstruction.
+    // Reports on the newest reconstruction of a dive.
     Job report(const Dive& dive, const Measurement& measured, const std::string& tag = "") {
         nlohmann::json options = {{"by", ++num_reports_}};
         if (!tag.empty()) options["tag"] = tag;

@@ -62,7 +62,7 @@ protected:
         catalog_.read([&](soci::session& session) { now = Catalog::now_ms(session); });
         return now;
     }
-    // Of the whole history in one step each millisecond: its times.
+    // Returns the times of the history, in steps of a millisecond.
     std::vector<std::int64_t> times(std::int64_t from_ms, std::int64_t to_ms) {
         HistoryRequest request{"aqua", from_ms, to_ms, static_cast<int>(to_ms - from_ms), {}};
         std::vector<std::int64_t> times;

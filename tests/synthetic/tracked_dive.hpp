@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <vector>
 
@@ -9,9 +10,12 @@
 
 namespace divemesh::synthetic {
 
-// Returns the path of stereo_world.hpp at ten frames per second as a tracker's result: odometry
-// without error, every fifth frame a keyframe, true landmarks, observed with the noise of features.
-inline types::Track tracked_dive(int num_keyframes) {
+// Returns T_world_cam at a frame, ten frames per second.
+using PathOfFrames = std::function<Eigen::Isometry3d(double frame)>;
+
+// Returns a path, that of stereo_world.hpp by default, as a tracker's result: odometry without
+// error, every fifth frame a keyframe, true landmarks, observed with the noise of features.
+inline types::Track tracked_dive(int num_keyframes, const PathOfFrames& path = T_world_cam) {
     constexpr int kStep = 5;
     constexpr double kNoise_px = 0.25;
     World world(0.03 * kStep * num_keyframes, 0.0, 1);
@@ -20,7 +24,7 @@ inline types::Track tracked_dive(int num_keyframes) {
     std::map<std::int64_t, types::Landmark> seen;
     for (int frame = 0; frame <= kStep * (num_keyframes - 1); ++frame) {
         const std::int64_t timestamp_ns = 100'000'000LL * frame;
-        const Eigen::Isometry3d T_world_camera = T_world_cam(frame);
+        const Eigen::Isometry3d T_world_camera = path(frame);
         const Eigen::Isometry3d T_world_imu = T_world_camera * track.rig.T_imu_cam.inverse();
         track.odometry.push_back({timestamp_ns, T_world_imu});
         if (frame % kStep != 0) continue;

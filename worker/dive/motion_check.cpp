@@ -1,16 +1,15 @@
 #include "worker/dive/motion_check.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
-#include <opencv2/video/tracking.hpp>
 
 #include "worker/base/rotation_vector.hpp"
-#include "worker/camera/projection.hpp"
 #include "worker/dive/stamp_check.hpp"
+#include "worker/dive/stereo_rays.hpp"
+#include "worker/dive/track_corners.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::dive {
@@ -93,24 +92,6 @@ std::vector<Moment> choose_moments(const DiveContents& contents) {
     return moments;
 }
 
-// Tracks points of `from` into `to`; `found` is false for those that do not track back to their
-// start.
-std::vector<cv::Point2f> follow(const cv::Mat& from,
-                                const cv::Mat& to,
-                                const std::vector<cv::Point2f>& points,
-                                std::vector<bool>& found) {
-    const cv::Size window(21, 21);
-    std::vector<cv::Point2f> there;
-    std::vector<cv::Point2f> back;
-    std::vector<unsigned char> went;
-    std::vector<unsigned char> came;
-    cv::calcOpticalFlowPyrLK(from, to, points, there, went, cv::noArray(), window, 5);
-    cv::calcOpticalFlowPyrLK(to, from, there, back, came, cv::noArray(), window, 5);
-    for (std::size_t i = 0; i < points.size(); ++i)
-        if (went[i] == 0 || came[i] == 0 || cv::norm(back[i] - points[i]) > 0.7) found[i] = false;
-    return there;
-}
-
 // The point where the rays of both cameras are nearest to each other.
 struct StereoPoint {
     Eigen::Vector3d p_cam0 = Eigen::Vector3d::Zero();
@@ -118,20 +99,13 @@ struct StereoPoint {
     double inverse_depth = 0.0;  // negative: the rays meet behind the camera
 };
 
-StereoPoint triangulate(const types::Rig& rig, const cv::Point2f& left, const cv::Point2f& right) {
-    const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
-    const Eigen::Vector3d ray0 = camera::unproject(rig.cam0, {left.x, left.y});
-    const Eigen::Vector3d ray1 =
-        T_cam0_cam1.linear() * camera::unproject(rig.cam1, {right.x, right.y});
-    const Eigen::Vector3d baseline = T_cam0_cam1.translation();
-    // Depth z of ray0 from z * ray0 x ray1 = baseline x ray1.
-    const Eigen::Vector3d a = ray0.cross(ray1);
-    const Eigen::Vector3d b = baseline.cross(ray1);
+StereoPoint triangulate(const StereoRays& rays, const cv::Point2f& left, const cv::Point2f& right) {
+    const Eigen::Vector3d left_ray = rays.left(left);
+    const Eigen::Vector3d right_ray = rays.right(right);
     StereoPoint point;
-    point.inverse_depth = a.dot(b) / b.squaredNorm();
-    point.p_cam0 = ray0 / point.inverse_depth;
-    const Eigen::Vector3d normal = baseline.cross(ray0).normalized();
-    point.epipolar_error_px = std::abs(normal.dot(ray1.normalized())) * rig.cam0.fx_px;
+    point.inverse_depth = rays.inverse_depth_1_m(left_ray, right_ray);
+    point.p_cam0 = left_ray / point.inverse_depth;
+    point.epipolar_error_px = std::abs(rays.epipolar_error_px(left_ray, right_ray));
     return point;
 }
 
@@ -170,18 +144,17 @@ private:
         cv::goodFeaturesToTrack(left, corners, 250, 0.01, 12.0, is_scene);
         if (std::ssize(corners) < kMinPoints) return;
         std::vector<bool> found(corners.size(), true);
-        const auto right = follow(left, first.right.image, corners, found);
-        const auto later = follow(left, second.left.image, corners, found);
+        const auto right = track_corners(left, first.right.image, corners, found);
+        const auto later = track_corners(left, second.left.image, corners, found);
         std::vector<cv::Point3d> points;
         std::vector<cv::Point2d> rays;
         for (std::size_t i = 0; i < corners.size(); ++i) {
             if (!found[i]) continue;
-            const StereoPoint point = triangulate(contents_.rig, corners[i], right[i]);
+            const StereoPoint point = triangulate(rays_, corners[i], right[i]);
             stereo_.push_back(point);
-            stereo_swapped_.push_back(triangulate(swapped_rig_, corners[i], right[i]));
+            stereo_swapped_.push_back(triangulate(swapped_rays_, corners[i], right[i]));
             if (point.epipolar_error_px > 3.0 || point.inverse_depth < 0.02) continue;
-            const Eigen::Vector3d ray =
-                camera::unproject(contents_.rig.cam0, {later[i].x, later[i].y});
+            const Eigen::Vector3d ray = rays_.left(later[i]);
             points.emplace_back(point.p_cam0.x(), point.p_cam0.y(), point.p_cam0.z());
             rays.emplace_back(ray.x(), ray.y());
         }
@@ -248,7 +221,8 @@ private:
     const DiveContents& contents_;
     const std::function<LoadedPair(int index)>& load_;
     FindingLog& findings_;
-    const types::Rig swapped_rig_ = swapped(contents_.rig);
+    const StereoRays rays_{contents_.rig};
+    const StereoRays swapped_rays_{swapped(contents_.rig)};
     std::vector<StereoPoint> stereo_;
     std::vector<StereoPoint> stereo_swapped_;  // with the images of the cameras swapped
     std::vector<RotationPair> rotations_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "schemas/error.hpp"
+#include "worker/base/hashed_random.hpp"
 
 namespace divemesh::evaluation {
 namespace {
@@ -15,12 +16,9 @@ double triangle_area_m2(const types::Mesh& mesh, const std::array<std::uint32_t,
     return 0.5 * (b - a).cross(c - a).norm();
 }
 
-// Returns a number in [0, 1) that depends only on its arguments (splitmix64; Steele et al. 2014).
+// Returns a number in [0, 1) that depends only on its arguments.
 double uniform(std::uint64_t seed, std::uint64_t index) {
-    std::uint64_t z = seed * 0xd1342543de82ef95U + (index + 1) * 0x9e3779b97f4a7c15U;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    return static_cast<double>((z ^ (z >> 31)) >> 11) * 0x1.0p-53;
+    return base::to_unit(base::hash64(seed * 0xd1342543de82ef95U + index * 0x9e3779b97f4a7c15U));
 }
 
 Eigen::Vector3f point_in_triangle(const types::Mesh& mesh,

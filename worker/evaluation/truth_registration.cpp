@@ -217,7 +217,7 @@ void check_observability(const std::vector<Row>& rows,
     const Vector10d clustered = clustered_variances(rows, H);
     if (options.solve_lever_arm) {
         const Eigen::Matrix3d information = reduced(H, {6, 7, 8});
-        // With the offset taken as known; its effect is in the deviations.
+        // The offset is taken as known; its effect is in the deviations.
         Matrix10d known_offset = H;
         known_offset.row(9).setZero();
         known_offset.col(9).setZero();

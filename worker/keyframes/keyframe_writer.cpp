@@ -6,12 +6,11 @@
 
 namespace divemesh::keyframes {
 
-KeyframeWriter::KeyframeWriter(const types::RectifiedRig& rig,
-                               const ReconstructionOptions& options,
+KeyframeWriter::KeyframeWriter(const ReconstructionOptions& options,
                                const KeyframeStore& store,
                                base::TaskPool& task_pool)
     : surface_(options.surface), store_(store) {
-    for (auto& lane : lanes_) lane.emplace(rig, options, task_pool);
+    for (auto& lane : lanes_) lane.emplace(options, task_pool);
 }
 
 void KeyframeWriter::write(const types::RectifiedFrame& frame,

@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 
+#include "schemas/reconstruction_options.hpp"
 #include "worker/base/background_task.hpp"
 #include "worker/keyframes/keyframe_store.hpp"
 #include "worker/stereo/match_stereo.hpp"
@@ -17,8 +18,7 @@ namespace divemesh::keyframes {
 // processed.
 class KeyframeWriter {
 public:
-    KeyframeWriter(const types::RectifiedRig& rig,
-                   const ReconstructionOptions& options,
+    KeyframeWriter(const ReconstructionOptions& options,
                    const KeyframeStore& store,
                    base::TaskPool& task_pool);
 
@@ -52,10 +52,8 @@ private:
     // that no core is idle while the caller, when it has to wait, matches a frame itself.
     static constexpr std::size_t kNumLanes = 4;
     struct Lane {
-        Lane(const types::RectifiedRig& rig,
-             const ReconstructionOptions& options,
-             base::TaskPool& task_pool)
-            : stereo(rig, options), task(task_pool) {}
+        Lane(const ReconstructionOptions& options, base::TaskPool& task_pool)
+            : stereo(options.stereo, options.num_disparities_px), task(task_pool) {}
         stereo::StereoMatcher stereo;
         types::SearchStatistics matched;
         // Declared last, so that it ends before the matcher is destroyed.

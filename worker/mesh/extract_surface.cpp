@@ -15,19 +15,20 @@ constexpr double kMinComponent_voxels = 100.0;  // faces of a voxel
 }  // namespace
 
 types::Mesh extract_surface(const fusion::Volume& volume,
-                            const ReconstructionOptions& options,
+                            const std::string& mesher,
+                            int num_threads,
                             const base::ProgressCallback& progress) {
     base::ProgressShare share{"mesh", 0.0, 1.0, progress};
     share.at(0.0);
-    const auto field = volume.field(options.num_threads);
+    const auto field = volume.field(num_threads);
     share.begin = 0.2;
     share.end = 0.95;
-    const MeshingSettings settings{.num_threads = options.num_threads, .progress = share};
-    types::Mesh whole = options.mesher == "marching_cubes" ? marching_cubes(*field, settings)
-                                                           : surface_nets(*field, settings);
+    const MeshingSettings settings{.num_threads = num_threads, .progress = share};
+    types::Mesh whole = mesher == "marching_cubes" ? marching_cubes(*field, settings)
+                                                   : surface_nets(*field, settings);
     types::Mesh surface = keep_large_components(
         std::move(whole), kMinComponent_voxels * volume.voxel_m() * volume.voxel_m());
-    smooth_membrane(surface, volume.voxel_m(), options.num_threads);
+    smooth_membrane(surface, volume.voxel_m(), num_threads);
     return surface;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
-#include "schemas/reconstruction_options.hpp"
+#include <string>
+
 #include "worker/base/observer.hpp"
 #include "worker/fusion/fusion_volume.hpp"
 #include "worker/types/mesh.hpp"
@@ -8,10 +9,11 @@
 namespace divemesh::mesh {
 
 // Step 8: returns the surface in the volume as one welded, outward oriented mesh, by constrained
-// elastic surface nets (Gibson 1998; the paper) or marching cubes, by `options.mesher`. Components
+// elastic surface nets (Gibson 1998; the paper) or marching cubes, by `mesher`. Components
 // of less than 100 voxel faces are removed: they are noise, snow or fish.
 types::Mesh extract_surface(const fusion::Volume& volume,
-                            const ReconstructionOptions& options,
+                            const std::string& mesher,
+                            int num_threads,
                             const base::ProgressCallback& progress = base::ignore_progress);
 
 }  // namespace divemesh::mesh

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "worker/base/hashed_random.hpp"
 #include "worker/base/parallel.hpp"
 
 namespace divemesh::mesh {
@@ -20,7 +21,7 @@ constexpr int kNumIterations = 45;  // 1 % of the way remains at that reach
 constexpr float kMaxMove_sigmas = 3.0F;
 constexpr std::size_t kSlice = 2048;  // vertices per task of a thread
 
-// With a zero as fourth component, so that a point is one load.
+// Points have a zero as fourth component, so that one is loaded at once.
 using Points = std::vector<Eigen::Vector4f>;
 
 class Membrane {
@@ -57,15 +58,8 @@ private:
     std::vector<std::uint32_t> end_neighbour_;
 };
 
-// A pseudo-random bijection, after SplitMix64 (Steele, Lea and Flood 2014).
-std::uint64_t scattered(std::uint64_t number) {
-    number = (number + 0x9e3779b97f4a7c15) * 0xbf58476d1ce4e5b9;
-    number = (number ^ (number >> 27)) * 0x94d049bb133111eb;
-    return number ^ (number >> 31);
-}
-
 // Chooses the vertices with a large enough sigma. For an inner vertex the surrounding triangles
-// enter each neighbour as often as they leave it, so the balance is 0. Scattered numbers are used
+// enter each neighbour as often as they leave it, so the balance is 0. Hashed numbers are used
 // because at borders plain vertex numbers may cancel, which happens where two parts of the surface
 // meet in a vertex.
 void Membrane::choose() {
@@ -73,7 +67,7 @@ void Membrane::choose() {
     for (const auto& triangle : mesh_.triangles)
         for (int k = 0; k < 3; ++k)
             balance[triangle[k]] +=
-                scattered(triangle[(k + 1) % 3]) - scattered(triangle[(k + 2) % 3]);
+                base::hash64(triangle[(k + 1) % 3]) - base::hash64(triangle[(k + 2) % 3]);
     for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
         const float sigma_voxels = mesh_.sigma_m[i] / voxel_m_;
         if (sigma_voxels <= kMinSigma_voxels) continue;

@@ -108,7 +108,7 @@ FusedMap fuse(const types::RectifiedRig& rig,
 types::Mesh mesh(const fusion::Volume& volume,
                  const ReconstructionOptions& options,
                  const base::ProgressCallback& progress) {
-    return mesh::extract_surface(volume, options, progress);  // 8
+    return mesh::extract_surface(volume, options.mesher, options.num_threads, progress);  // 8
 }
 
 }  // namespace divemesh::pipeline

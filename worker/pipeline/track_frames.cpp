@@ -31,7 +31,7 @@ types::Track track_frames(types::Recording& recording,
     const Eigen::Isometry3d T_cam_imu = result.rig.T_imu_cam.inverse();
     base::TaskPool task_pool(options.num_threads);
     FramePrefetcher frames(recording, rectifier, task_pool);
-    keyframes::KeyframeWriter writer(result.rig, options, store, task_pool);
+    keyframes::KeyframeWriter writer(options, store, task_pool);
     Eigen::Isometry3d T_start_cam = Eigen::Isometry3d::Identity();
     while (const auto frame = frames.next()) {
         const TrackedFrame tracked = tracker.process(*frame);

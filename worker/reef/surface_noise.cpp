@@ -3,26 +3,21 @@
 #include <array>
 #include <cmath>
 
+#include "worker/base/hashed_random.hpp"
+
 namespace divemesh::reef {
 namespace {
 
 // The correlation is 0.394 one lattice step apart, and 1/e at this many steps.
 constexpr double kCorrelationLength_steps = 1.04;
 
-std::uint64_t hash64(std::uint64_t value) {  // finaliser of splitmix64 (Steele et al. 2014)
-    value += 0x9e3779b97f4a7c15ULL;
-    value = (value ^ (value >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    value = (value ^ (value >> 27)) * 0x94d049bb133111ebULL;
-    return value ^ (value >> 31);
-}
-
 // Returns a number of variance 1: the sum of four uniform numbers (Irwin and Hall), of which 27 are
 // summed again.
 double normal_at(std::uint64_t seed, std::int64_t x, std::int64_t y, std::int64_t z) {
     std::uint64_t bits =
-        hash64(seed ^ hash64(static_cast<std::uint64_t>(x) * 0xd6e8feb86659fd93ULL ^
-                             static_cast<std::uint64_t>(y) * 0xa0761d6478bd642fULL ^
-                             static_cast<std::uint64_t>(z) * 0xe7037ed1a0b428dbULL));
+        base::hash64(seed ^ base::hash64(static_cast<std::uint64_t>(x) * 0xd6e8feb86659fd93ULL ^
+                                         static_cast<std::uint64_t>(y) * 0xa0761d6478bd642fULL ^
+                                         static_cast<std::uint64_t>(z) * 0xe7037ed1a0b428dbULL));
     double sum = 0.0;
     for (int i = 0; i < 4; ++i, bits >>= 16) sum += static_cast<double>(bits & 0xffffU);
     return (sum / 65535.0 - 2.0) * std::sqrt(3.0);
@@ -41,7 +36,7 @@ double squared(const std::array<double, 3>& w) { return w[0] * w[0] + w[1] * w[1
 }  // namespace
 
 NoiseField::NoiseField(double correlation_length_m, std::uint64_t seed)
-    : per_m_(kCorrelationLength_steps / correlation_length_m), seed_(hash64(seed)) {}
+    : per_m_(kCorrelationLength_steps / correlation_length_m), seed_(base::hash64(seed)) {}
 
 double NoiseField::at(const Eigen::Vector3d& place) const {
     const Eigen::Vector3d node = place * per_m_;

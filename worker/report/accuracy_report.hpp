@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -28,7 +29,8 @@ struct AccuracyReportRequest {
     // Earlier values of metrics, oldest first, by their full names.
     std::map<std::string, std::vector<double>> history;
     std::vector<Finding> findings;  // findings of the inputs, which the report includes
-    int num_threads = 0;            // 0: all cores; never changes a result
+    std::int64_t num_surface_samples = 1'000'000;  // in each direction
+    int num_threads = 0;                           // 0: all cores; never changes a result
 };
 
 // Compares a reconstruction with the known truth and writes report.json

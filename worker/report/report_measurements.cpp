@@ -136,6 +136,7 @@ void Measuring::compare_surfaces(const base::ProgressCallback& progress) try {
     const auto T_imu_cam0 = inputs_.reconstruction.T_imu_cam0();
     evaluation::SurfaceErrorInput input;
     input.T_reference_world = result_.trajectory->T_reference_surface;
+    input.num_samples = request_.num_surface_samples;
     input.num_threads = request_.num_threads;
     for (const types::StampedPose& pose : inputs_.reconstruction.trajectory())
         input.camera_positions_world.emplace_back(

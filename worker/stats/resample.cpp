@@ -2,21 +2,11 @@
 
 #include <algorithm>
 #include <numeric>
+#include <random>
 
 #include "worker/stats/quantile.hpp"
 
 namespace divemesh::stats {
-namespace {
-
-std::uint64_t next_random(std::uint64_t& state) {  // splitmix64 (Steele et al. 2014)
-    state += 0x9e3779b97f4a7c15ULL;
-    std::uint64_t z = state;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ULL;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebULL;
-    return z ^ (z >> 31);
-}
-
-}  // namespace
 
 Estimate bootstrap(std::size_t num_individuals, const Statistic& statistic, std::uint64_t seed) {
     constexpr int kNumDraws = 1000;
@@ -24,9 +14,9 @@ Estimate bootstrap(std::size_t num_individuals, const Statistic& statistic, std:
     std::iota(drawn.begin(), drawn.end(), std::size_t{0});
     const double value = statistic(drawn);
     std::vector<double> draws;
-    std::uint64_t state = seed;
+    std::mt19937_64 random(seed);
     for (int i = 0; i < kNumDraws; ++i) {
-        for (std::size_t& individual : drawn) individual = next_random(state) % num_individuals;
+        for (std::size_t& individual : drawn) individual = random() % num_individuals;
         const double one = statistic(drawn);
         if (one == one) draws.push_back(one);
     }

@@ -84,9 +84,8 @@ struct StereoMatcher::Implementation {
     }
 };
 
-StereoMatcher::StereoMatcher(const types::RectifiedRig&, const ReconstructionOptions& options)
-    : implementation_(std::make_unique<Implementation>(options.num_disparities_px)) {
-    const int num_disparities = options.num_disparities_px;
+StereoMatcher::StereoMatcher(const std::string& method, int num_disparities_px)
+    : implementation_(std::make_unique<Implementation>(num_disparities_px)) {
     const auto use = [&](auto matcher) {
         implementation_->compute = [matcher](const types::RectifiedFrame& frame,
                                              const types::DisparityRange&,
@@ -94,10 +93,10 @@ StereoMatcher::StereoMatcher(const types::RectifiedRig&, const ReconstructionOpt
             depth.disparity_px = matcher.compute(frame.left, frame.right);
         };
     };
-    if (options.stereo == "block")
-        use(BlockMatcher(num_disparities));
-    else if (options.stereo == "opencv_sgbm")
-        use(OpenCvSgbm(num_disparities));
+    if (method == "block")
+        use(BlockMatcher(num_disparities_px));
+    else if (method == "opencv_sgbm")
+        use(OpenCvSgbm(num_disparities_px));
     else
         implementation_->use_sgm();
 }

@@ -1,18 +1,17 @@
 #pragma once
 
 #include <memory>
+#include <string>
 
-#include "schemas/reconstruction_options.hpp"
 #include "worker/types/keyframe.hpp"
-#include "worker/types/rectified_rig.hpp"
 
 namespace divemesh::stereo {
 
-// Step 1: the dense stereo matcher. The method is an option (block, sgm, opencv_sgbm). All give
-// sub-pixel disparities with a standard deviation and leave pixels without texture unknown.
+// Step 1: the dense stereo matcher. Its methods are block, sgm and opencv_sgbm. All give sub-pixel
+// disparities with a standard deviation and leave pixels without texture unknown.
 class StereoMatcher {
 public:
-    StereoMatcher(const types::RectifiedRig& rig, const ReconstructionOptions& options);
+    StereoMatcher(const std::string& method, int num_disparities_px);
     ~StereoMatcher();
     StereoMatcher(const StereoMatcher&) = delete;
     StereoMatcher& operator=(const StereoMatcher&) = delete;

@@ -277,7 +277,7 @@ DIVEMESH_INLINE_BODY V first_or(V v, int num, int other) {
     return _mm512_mask_blend_epi8(keep, broadcast(other), v);
 }
 DIVEMESH_INLINE_BODY int min_byte(V v) {
-    // With a mask: otherwise g++ 12 warns about its own header (bug 105593).
+    // Without a mask g++ 12 warns about its own header (bug 105593).
     constexpr __mmask8 kAll = 0xff;
     const __m256i halves = _mm256_min_epu8(_mm512_maskz_extracti64x4_epi64(kAll, v, 0),
                                            _mm512_maskz_extracti64x4_epi64(kAll, v, 1));
@@ -312,7 +312,7 @@ DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
 // The minima, in the lowest byte of each of four words.
 using PathMinima = __m128i;
 DIVEMESH_INLINE_BODY PathMinima path_minima(const V (&v)[4]) {
-    // With masks, as in min_byte.
+    // Masked as in min_byte.
     constexpr __mmask8 kAll = 0xff;
     constexpr __mmask16 kAllWords = 0xffff;
     __m512 pairs_of[2];

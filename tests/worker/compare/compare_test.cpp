@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
+#include <memory>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
@@ -37,7 +39,8 @@ double cone(double x, double y) { return synthetic::cone(x, y, 0.25, 0.2); }
 
 class CompareTest : public testing::Test {
 protected:
-    void SetUp() override {
+    static void SetUpTestSuite() {
+        folder_ = std::make_unique<TemporaryFolder>();
         const HeightOf ground = rough_ground(8);
         const HeightOf later = [ground](double x, double y) {
             return ground(x, y) + cone(x - 0.6, y - 0.3) - cone(x + 0.7, y + 0.2);
@@ -45,20 +48,23 @@ protected:
         Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
         T.linear() = Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitZ()).toRotationMatrix();
         T.translation() = Eigen::Vector3d(2.0, 1.0, -0.4);
-        write_reconstruction(folder_ / "a", ground_mesh(ground, 1.6, 1.2, kStep_m, kNoise_m, 1));
+        write_reconstruction(*folder_ / "a", ground_mesh(ground, 1.6, 1.2, kStep_m, kNoise_m, 1));
         write_reconstruction(
-            folder_ / "b", synthetic::moved(ground_mesh(later, 1.6, 1.2, kStep_m, kNoise_m, 2), T));
-        write_reconstruction(folder_ / "again",
+            *folder_ / "b",
+            synthetic::moved(ground_mesh(later, 1.6, 1.2, kStep_m, kNoise_m, 2), T));
+        write_reconstruction(*folder_ / "again",
                              ground_mesh(ground, 1.6, 1.2, kStep_m, kNoise_m, 3));
     }
+    static void TearDownTestSuite() { folder_.reset(); }
+
     json compare(const std::string& a, const std::string& b, int num_threads = 2) const {
-        return compare_reconstructions({.a = folder_ / a,
-                                        .b = folder_ / b,
-                                        .out = folder_ / ("out" + std::to_string(num_threads)),
+        return compare_reconstructions({.a = *folder_ / a,
+                                        .b = *folder_ / b,
+                                        .out = *folder_ / ("out" + std::to_string(num_threads)),
                                         .num_threads = num_threads});
     }
 
-    TemporaryFolder folder_;
+    static inline std::unique_ptr<TemporaryFolder> folder_;
 };
 
 TEST_F(CompareTest, KnownVolumesLieWithinTheirIntervals) {
@@ -104,21 +110,24 @@ TEST_F(CompareTest, ThreadsChangeNoByte) {
                              "mosaic_difference.png",
                              "mosaic_difference.json",
                              "change_height.png"})
-        EXPECT_TRUE(content(folder_ / "out1" / file) == content(folder_ / "out3" / file)) << file;
+        EXPECT_TRUE(content(*folder_ / "out1" / file) == content(*folder_ / "out3" / file)) << file;
 }
 
 TEST_F(CompareTest, TheReportIsOnePageAndEscapesNames) {
     compare("a", "b");
-    const std::string html = content(folder_ / "out2/report.html");
+    const std::string html = content(*folder_ / "out2/report.html");
     EXPECT_NE(html.find("&lt;b&gt;a&lt;/b&gt;"), std::string::npos);
     EXPECT_EQ(html.find("<script"), std::string::npos);
     EXPECT_EQ(html.find("http"), std::string::npos);
 }
 
 TEST_F(CompareTest, AFolderWithoutSurfaceIsRefusedByName) {
-    std::filesystem::remove(folder_ / "b/mesh.ply");
+    std::filesystem::create_directory(*folder_ / "bare");
+    std::filesystem::copy(
+        *folder_ / "b", *folder_ / "bare", std::filesystem::copy_options::recursive);
+    std::filesystem::remove(*folder_ / "bare/mesh.ply");
     try {
-        compare("a", "b");
+        compare("a", "bare");
         FAIL();
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::BadData);

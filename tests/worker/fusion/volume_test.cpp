@@ -56,12 +56,16 @@ std::string bytes_of(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
+types::Mesh surface_of(const Volume& volume, const ReconstructionOptions& options) {
+    return mesh::extract_surface(volume, options.mesher, options.num_threads);
+}
+
 class BothVolumes : public testing::TestWithParam<std::string> {};
 
 TEST_P(BothVolumes, ExactDepthOfAnAnalyticSceneComesOutToAFifthOfAVoxel) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(8, 1.2), options);
-    const types::Mesh mesh = mesh::extract_surface(*volume, options);
+    const types::Mesh mesh = surface_of(*volume, options);
     const auto distances = distances_from(bump_on_floor, mesh);
     ASSERT_GT(distances.size(), 2000U);
     EXPECT_LT(distances[distances.size() / 2], 0.2 * kVoxel_m);
@@ -73,7 +77,7 @@ TEST_P(BothVolumes, ExactDepthOfAnAnalyticSceneComesOutToAFifthOfAVoxel) {
 TEST_P(BothVolumes, ColoursLieWhereTheCamerasSawThem) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
-    const types::Mesh mesh = mesh::extract_surface(*volume, options);
+    const types::Mesh mesh = surface_of(*volume, options);
     ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
     std::vector<double> errors;  // a colour step of 1 corresponds to 1 cm
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -89,7 +93,7 @@ TEST_P(BothVolumes, ColoursLieWhereTheCamerasSawThem) {
 TEST_P(BothVolumes, NormalsAndTrianglesFaceTheCameras) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
-    const types::Mesh mesh = mesh::extract_surface(*volume, options);
+    const types::Mesh mesh = surface_of(*volume, options);
     std::size_t num_away = 0;  // facing away from the cameras, which are all above
     for (const auto& t : mesh.triangles) {
         const Eigen::Vector3f normal = (mesh.vertices[t[1]] - mesh.vertices[t[0]])
@@ -105,7 +109,7 @@ TEST_P(BothVolumes, NoisyViewsOfAWallMakeOneWall) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(
         wall, views_from_above(20, 1.2), options, {.sigma_px = 0.25, .stated_sigma_px = 0.25});
-    const types::Mesh mesh = mesh::extract_surface(*volume, options);
+    const types::Mesh mesh = surface_of(*volume, options);
     const mesh::MeshComponents components = mesh::find_components(mesh);
     EXPECT_EQ(components.area_m2.size(), 1U);
     // Compares the area with its projection onto the wall: a second layer would double it.
@@ -127,7 +131,7 @@ TEST_P(BothVolumes, OneThreadAndTwoGiveTheSameBytes) {
         const auto options = options_for(GetParam(), num_threads);
         const auto volume = fuse_views(bump_on_floor, views_from_above(3, 1.2), options);
         volume->save(folder / std::to_string(num_threads));
-        meshes.push_back(mesh::extract_surface(*volume, options));
+        meshes.push_back(surface_of(*volume, options));
     }
     EXPECT_EQ(bytes_of(folder / "1"), bytes_of(folder / "2"));
     EXPECT_EQ(meshes[0].vertices, meshes[1].vertices);
@@ -142,8 +146,7 @@ TEST_P(BothVolumes, ASavedVolumeGivesTheSameMesh) {
     volume->save(folder / "volume");
     const auto loaded = load_volume(folder / "volume");
     EXPECT_EQ(loaded->voxel_m(), volume->voxel_m());
-    EXPECT_EQ(mesh::extract_surface(*loaded, options).vertices,
-              mesh::extract_surface(*volume, options).vertices);
+    EXPECT_EQ(surface_of(*loaded, options).vertices, surface_of(*volume, options).vertices);
 }
 
 TEST_P(BothVolumes, AFileCutShortIsATypedError) {
@@ -162,9 +165,9 @@ TEST_P(BothVolumes, AFileCutShortIsATypedError) {
 TEST_P(BothVolumes, BothMeshersFindTheSameSurface) {
     auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
-    const double nets = mesh::check_topology(mesh::extract_surface(*volume, options)).area_m2;
+    const double nets = mesh::check_topology(surface_of(*volume, options)).area_m2;
     options.mesher = "marching_cubes";
-    const double cubes = mesh::check_topology(mesh::extract_surface(*volume, options)).area_m2;
+    const double cubes = mesh::check_topology(surface_of(*volume, options)).area_m2;
     EXPECT_NEAR(nets / cubes, 1.0, 0.12);  // the nets end one voxel earlier at the border
 }
 
@@ -180,7 +183,7 @@ TEST_P(BothVolumes, WhatOneViewSawIsNotSurface) {
         const auto view = render_view(i == 3 ? with_fish : floor, small_rig(), poses[i]);
         volume->integrate(view.keyframe, view.images);
     }
-    const types::Mesh mesh = mesh::extract_surface(*volume, options);
+    const types::Mesh mesh = surface_of(*volume, options);
     ASSERT_GT(mesh.vertices.size(), 500U) << "the floor is to be there";
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
 }
@@ -204,7 +207,7 @@ TEST_P(BothVolumes, HalfSamplingLeavesNoHolesFarAway) {
             }
             volume->add(view.keyframe, DepthView(small_rig(), view.images, sampling));
         }
-        const types::Mesh mesh = mesh::extract_surface(*volume, options);
+        const types::Mesh mesh = surface_of(*volume, options);
         EXPECT_EQ(mesh::find_borders(mesh).num_holes, 0)
             << (sampling == Sampling::Half ? "half" : "full");
         areas_m2.push_back(mesh::check_topology(mesh).area_m2);
@@ -232,7 +235,7 @@ TEST(TsdfVolume, RaysThatPassCarveAwayWhatSeveralViewsSaw) {
         const auto view = render_view(scene, small_rig(), poses[i]);
         volume->integrate(view.keyframe, view.images);
     }
-    const types::Mesh mesh = mesh::extract_surface(*volume, options);
+    const types::Mesh mesh = surface_of(*volume, options);
     ASSERT_GT(mesh.vertices.size(), 500U) << "the floor is to be there";
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
 }
@@ -254,7 +257,7 @@ TEST_P(Ghost, ThatFiveViewsLookThroughIsGone) {
         const auto view = render_view(stands ? with_ghost : floor, small_rig(), poses[i]);
         volume->integrate(view.keyframe, view.images);
     }
-    const types::Mesh mesh = mesh::extract_surface(*volume, options);
+    const types::Mesh mesh = surface_of(*volume, options);
     EXPECT_GT(mesh.vertices.size(), 1000U);
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
     std::array<std::uint8_t, 2> confirmed{};
@@ -280,7 +283,7 @@ TEST(TsdfVolume, NoiseLargerThanStatedDoesNotPushTheSurfaceBack) {
         volume->integrate(view.keyframe, view.images);
     }
     std::vector<float> heights_m;
-    for (const auto& vertex : mesh::extract_surface(*volume, options).vertices)
+    for (const auto& vertex : surface_of(*volume, options).vertices)
         if (vertex.head<2>().norm() < 0.3F) heights_m.push_back(vertex.z());
     ASSERT_GT(heights_m.size(), 1000U);
     const auto middle = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 2);
@@ -309,7 +312,7 @@ TEST(TsdfVolume, AnEdgeOfTheForegroundGrowsNoSkirt) {
         let_foreground_grow(view.images.depth.disparity_px);
         volume->integrate(view.keyframe, view.images);
     }
-    const types::Mesh mesh = mesh::extract_surface(*volume, options);
+    const types::Mesh mesh = surface_of(*volume, options);
     const auto distances = distances_from(box_on_floor, mesh);
     ASSERT_GT(distances.size(), 2000U);
     EXPECT_LT(distances.back(), 2.0 * kVoxel_m);
@@ -364,7 +367,7 @@ TEST_P(BothVolumes, WhatSpillsToDiskChangesNoByte) {
         }
         memory_bytes.push_back(volume->memory_bytes());
         volume->save(folder / std::to_string(spilling));
-        meshes.push_back(mesh::extract_surface(*volume, options));
+        meshes.push_back(surface_of(*volume, options));
     }
     EXPECT_LT(memory_bytes[1], memory_bytes[0] * 3 / 4);
     EXPECT_EQ(bytes_of(folder / "0"), bytes_of(folder / "1"));
@@ -391,7 +394,7 @@ TEST(TsdfVolume, NearViewsOutweighFarOnesByTheFourthPowerOfTheRange) {
         volume->integrate(far.keyframe, far.images);
     }
     std::vector<double> heights;
-    for (const auto& vertex : mesh::extract_surface(*volume, options).vertices)
+    for (const auto& vertex : surface_of(*volume, options).vertices)
         if (vertex.head<2>().norm() < 0.15F) heights.push_back(vertex.z());
     ASSERT_GT(heights.size(), 50U);
     std::nth_element(heights.begin(), heights.begin() + heights.size() / 2, heights.end());

@@ -6,13 +6,10 @@
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
-#include "tests/synthetic/ideal_rig.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh::keyframes {
 namespace {
-
-types::RectifiedRig small_rig() { return synthetic::ideal_rig(160, 120, 120.0); }
 
 // Returns a frame of a wall with noise as texture, at a disparity of 12 px.
 types::RectifiedFrame wall(int index) {
@@ -40,7 +37,7 @@ TEST(KeyframeWriter, MatchesWhatTheCallerHasNotMatched) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
     base::TaskPool task_pool(2);
-    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, task_pool);
+    KeyframeWriter writer(ReconstructionOptions{}, store, task_pool);
     for (int i = 0; i < 5; ++i) {
         KeyframeWriter::Seen seen;
         if (i % 2 == 0) seen.view = view_of(i);
@@ -63,7 +60,7 @@ TEST(KeyframeWriter, KeepsWhatTheCallerHasMatched) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
     base::TaskPool task_pool(2);
-    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, task_pool);
+    KeyframeWriter writer(ReconstructionOptions{}, store, task_pool);
     types::DepthMap depth;
     depth.disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(30.0));
     depth.sigma_disparity_px = cv::Mat(120, 160, CV_32F, cv::Scalar(0.25));
@@ -78,7 +75,7 @@ TEST(KeyframeWriter, WithoutASurfaceKeepsTheGreyImageAlone) {
     base::TaskPool task_pool(2);
     ReconstructionOptions options;
     options.surface = false;
-    KeyframeWriter writer(small_rig(), options, store, task_pool);
+    KeyframeWriter writer(options, store, task_pool);
     writer.write(wall(0), {}, {view_of(2), {}, {}, {}});
     writer.finish();
     EXPECT_EQ(store.read_left(0).size(), cv::Size(160, 120));
@@ -91,7 +88,7 @@ TEST(KeyframeWriter, ADiskThatTakesNothingIsToldAtTheEndAtTheLatest) {
     const KeyframeStore store(gone);
     std::filesystem::remove(gone);
     base::TaskPool task_pool(2);
-    KeyframeWriter writer(small_rig(), ReconstructionOptions{}, store, task_pool);
+    KeyframeWriter writer(ReconstructionOptions{}, store, task_pool);
     writer.write(wall(0), {}, {view_of(2), {}, {}, {}});
     EXPECT_THROW(writer.finish(), Error);
 }

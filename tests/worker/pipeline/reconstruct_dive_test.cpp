@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -40,14 +41,21 @@ std::set<std::string> names_in(const fs::path& folder) {
 
 class ReconstructDiveTest : public testing::Test {
 protected:
-    ReconstructDiveTest() {
+    static void SetUpTestSuite() {
+        rendered_ = std::make_unique<TemporaryFolder>();
         simulator::simulate({.scene = simulator::SceneKind::Tank,
-                             .out = folder_ / "dive",
+                             .out = rendered_->path() / "dive",
                              .length_m = 0.2,
                              .rate_hz = 8.0,
                              .width_px = 160,
                              .height_px = 120});
-        fs::remove(folder_ / "dive" / "reference.ply");  // a million samples take too long here
+        // A million samples take too long here.
+        fs::remove(rendered_->path() / "dive/reference.ply");
+    }
+    static void TearDownTestSuite() { rendered_.reset(); }
+
+    ReconstructDiveTest() {
+        fs::copy(rendered_->path() / "dive", folder_ / "dive", fs::copy_options::recursive);
     }
     ReconstructionRequest request(const std::string& name, const nlohmann::json& overrides) const {
         return {.dive = folder_ / "dive",
@@ -92,6 +100,7 @@ protected:
         EXPECT_GT(num_compared, 3);
     }
 
+    static inline std::unique_ptr<TemporaryFolder> rendered_;
     TemporaryFolder folder_;
     fs::path cache_;  // empty: no cache
 };

@@ -102,6 +102,7 @@ protected:
         request_.reconstruction = folder_ / "result";
         request_.out = folder_ / "out";
         request_.scratch = folder_ / "scratch";
+        request_.num_surface_samples = 20'000;
         request_.num_threads = 1;
     }
 

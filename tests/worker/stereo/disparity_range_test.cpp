@@ -118,11 +118,8 @@ TEST(CoarseDisparitySearch, WidensARangeToHoldWhatItShows) {
 TEST(StereoMatcher, FindsWhatTheRangeLeavesOut) {
     const WarpedPair pair = make_warped_pair(block_on_floor, kLarge);
     for (const std::string stereo : {"sgm", "block", "opencv_sgbm"}) {
-        ReconstructionOptions options;
-        options.stereo = stereo;
-        options.num_disparities_px = 128;
         const types::DepthMap depth =
-            StereoMatcher({}, options).match({0, 0, pair.left, pair.right}, {0, 64});
+            StereoMatcher(stereo, 128).match({0, 0, pair.left, pair.right}, {0, 64});
         EXPECT_EQ(depth.search.range.num_px, 128) << stereo;
         EXPECT_GT(depth.search.num_patches, 8'000) << stereo;
         EXPECT_LT(depth.search.num_too_near, depth.search.num_patches / 50) << stereo;
@@ -134,9 +131,7 @@ TEST(StereoMatcher, FindsWhatTheRangeLeavesOut) {
 
 TEST(StereoMatcher, TellsWhatIsTooNearForAllItSearches) {
     const WarpedPair pair = make_warped_pair(block_on_floor, kLarge);
-    ReconstructionOptions options;
-    options.num_disparities_px = 64;
-    const types::DepthMap depth = StereoMatcher({}, options).match({0, 0, pair.left, pair.right});
+    const types::DepthMap depth = StereoMatcher("sgm", 64).match({0, 0, pair.left, pair.right});
     EXPECT_NEAR(static_cast<double>(depth.search.num_too_near) /
                     static_cast<double>(depth.search.num_patches),
                 1.0 / 3.0,

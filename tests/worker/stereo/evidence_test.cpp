@@ -15,12 +15,10 @@ constexpr int kFirstColumn = 70;  // to the right of all disparities
 double slanted(double x, double y) { return 14.0 + 0.05 * x + 0.03 * y; }
 
 types::DepthMap match(const WarpedPair& pair) {
-    ReconstructionOptions options;
-    options.num_disparities_px = 64;
     types::RectifiedFrame frame;
     frame.left = pair.left;
     frame.right = pair.right;
-    return StereoMatcher({}, options).match(frame);
+    return StereoMatcher("sgm", 64).match(frame);
 }
 
 TEST(StereoMatcher, SeesASurfaceUpToTheBorder) {

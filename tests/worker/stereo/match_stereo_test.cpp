@@ -25,16 +25,10 @@ types::DepthMap match(const std::string& matcher,
                       const cv::Mat& left,
                       const cv::Mat& right,
                       int num_disparities) {
-    ReconstructionOptions options;
-    options.stereo = matcher;
-    options.num_disparities_px = num_disparities;
-    types::RectifiedRig rig;
-    rig.width_px = left.cols;
-    rig.height_px = left.rows;
     types::RectifiedFrame frame;
     frame.left = left;
     frame.right = right;
-    return StereoMatcher(rig, options).match(frame);
+    return StereoMatcher(matcher, num_disparities).match(frame);
 }
 
 class EveryMatcher : public testing::TestWithParam<std::string> {};

@@ -81,7 +81,7 @@ Look look(simulator::WaterKind kind, const ChangeLight& change_light) {
     result.open_water = result.open_water == 0;
     cv::erode(there, result.surface, reach);
     result.surface = result.surface == 255;
-    result.depth = StereoMatcher(rectifier.rig(), {}).match(rectifier.rectify(frame));
+    result.depth = StereoMatcher("sgm", 128).match(rectifier.rectify(frame));
     return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <numbers>
 
 #include "tests/temporary_folder.hpp"
@@ -21,14 +22,19 @@ constexpr double kDeg = std::numbers::pi / 180.0;
 // A short rendered dive, read with a calibration in which the right camera is turned.
 class AlignCamerasTest : public testing::Test {
 protected:
-    AlignCamerasTest() {
+    static void SetUpTestSuite() {
+        folder_ = std::make_unique<TemporaryFolder>();
         simulator::simulate({.scene = simulator::SceneKind::Tank,
-                             .out = folder_ / "dive",
+                             .out = *folder_ / "dive",
                              .length_m = 0.4,
                              .rate_hz = 8.0,
                              .width_px = 320,
                              .height_px = 240});
-        dive_ = dive::Dive::open(folder_ / "dive", folder_ / "scratch");
+        dive_ = dive::Dive::open(*folder_ / "dive", *folder_ / "scratch");
+    }
+    static void TearDownTestSuite() {
+        dive_.reset();
+        folder_.reset();
     }
     types::RigAlignment align(const Eigen::Vector3d& degrees) {
         AlignedRecording recording(*dive_);
@@ -45,8 +51,8 @@ protected:
         return found;
     }
 
-    TemporaryFolder folder_;
-    std::unique_ptr<dive::Dive> dive_;
+    static inline std::unique_ptr<TemporaryFolder> folder_;
+    static inline std::unique_ptr<dive::Dive> dive_;
     Eigen::Vector3d error_ = Eigen::Vector3d::Zero();  // degrees, of the aligned right camera
 };
 
