@@ -87,6 +87,33 @@ TEST(WindowTest, IsNotCarriedAwayByThirtyPercentFish) {
                 IsPoseWithin(synthetic::T_world_cam(kStep * kNumKeyframes), 0.2, 0.018));
 }
 
+TEST(WindowTest, LandmarksSeenOnceFollowTheCorrectionOfTheirKeyframe) {
+    synthetic::World world(1.0, 0.0, 11);
+    SlidingWindow window(synthetic::rig(), types::ImuNoise{2e-4, 1e-5});
+    const auto is_old = [](const types::Feature& feature) { return feature.id % 2 == 0; };
+    const auto see = [&](int frame) {
+        return world.see(synthetic::T_world_cam(frame), frame, 0.0);
+    };
+    types::Features first = see(0);
+    std::erase_if(first, [&](const types::Feature& feature) { return !is_old(feature); });
+    window.add_keyframe({0, 0, synthetic::T_world_cam(0)}, first, {});
+    Eigen::Isometry3d wrong = synthetic::T_world_cam(kStep);
+    wrong.translation().x() += 0.05;
+    window.add_keyframe({1, 1'000'000'000, wrong}, see(kStep), {});
+    window.adjust();
+    ASSERT_THAT(window.T_world_cam(), IsPoseWithin(synthetic::T_world_cam(kStep), 0.01, 1e-3));
+
+    types::Features last = see(2 * kStep);
+    std::erase_if(last, is_old);
+    window.add_keyframe({2, 2'000'000'000, synthetic::T_world_cam(2 * kStep)}, last, {});
+    window.adjust();
+
+    std::size_t num_links = 0;
+    for (const types::Landmark& landmark : window.landmarks())
+        if (landmark.observations.back().keyframe == 2) ++num_links;
+    EXPECT_GT(num_links, 50U);
+}
+
 TEST(WindowTest, GivesTheSameBitsAgain) {
     const SlidingWindow once = swim(0.3, 0.3, true);
     const SlidingWindow again = swim(0.3, 0.3, true);
