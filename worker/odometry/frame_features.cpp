@@ -37,10 +37,14 @@ types::Features without_dynamic_features(const types::Features& tracks,
     return features;
 }
 
+std::size_t num_with_depth(const types::Features& features) {
+    return static_cast<std::size_t>(
+        std::count_if(features.begin(), features.end(), types::has_depth));
+}
+
 types::FrameFeatures feature_counts(const types::Features& features) {
     return {static_cast<std::int32_t>(features.size()),
-            static_cast<std::int32_t>(
-                std::count_if(features.begin(), features.end(), types::has_depth))};
+            static_cast<std::int32_t>(num_with_depth(features))};
 }
 
 types::Features static_features(const Registration& motion) {

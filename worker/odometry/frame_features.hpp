@@ -30,6 +30,7 @@ types::Features without_dynamic_features(const types::Features& tracks,
 // Returns the inliers of the motion as features at their current positions.
 types::Features static_features(const Registration& motion);
 
+std::size_t num_with_depth(const types::Features& features);
 types::FrameFeatures feature_counts(const types::Features& features);
 
 // Adds features of the scene that the tracker had lost and finds again once the motion is known.

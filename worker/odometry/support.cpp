@@ -15,6 +15,7 @@ constexpr double kMinShareOfPrevious = 0.4;
 constexpr double kMinShareOfPairs = 0.7;
 constexpr std::size_t kMinUnexpected = 12;
 constexpr double kMinUnexpectedShare = 0.5;  // of the pairs
+constexpr double kMinUnexpectedShareOfPrevious = 0.05;
 constexpr double kNearPrediction_px = 4.0;
 constexpr int kCellColumns = 8;
 constexpr int kCellRows = 6;
@@ -66,10 +67,12 @@ bool well_supported(const types::RectifiedRig& rig,
 
 bool explained_by_chance(const types::RectifiedRig& rig,
                          const Registration& motion,
+                         std::size_t num_previous,
                          const Eigen::Isometry3d& expected) {
     if (is_near_prediction(rig, motion.inliers, expected)) return false;
-    return motion.inliers.size() < kMinUnexpected ||
-           share(motion.inliers.size(), motion.num_pairs) < kMinUnexpectedShare;
+    const std::size_t num = motion.inliers.size();
+    return num < kMinUnexpected || share(num, motion.num_pairs) < kMinUnexpectedShare ||
+           share(num, num_previous) < kMinUnexpectedShareOfPrevious;
 }
 
 }  // namespace divemesh::odometry

@@ -27,9 +27,10 @@ bool well_supported(const types::RectifiedRig& rig,
                     const Eigen::Isometry3d& expected);
 
 // Returns true if a motion is not the predicted one, and so few pairs agree on it, or so small a
-// share, that chance explains it.
+// share of them or of the `num_previous` features that were looked for, that chance explains it.
 bool explained_by_chance(const types::RectifiedRig& rig,
                          const Registration& motion,
+                         std::size_t num_previous,
                          const Eigen::Isometry3d& expected);
 
 }  // namespace divemesh::odometry

@@ -26,7 +26,10 @@ Observed Recovery::recover(const types::RectifiedFrame& frame,
         if (better(*followed, predicted)) return std::move(*followed);
     state_.moving = moving;
     if (predicted.vision.found &&
-        odometry::explained_by_chance(state_.rig, predicted.vision, prediction.T_current_previous))
+        odometry::explained_by_chance(state_.rig,
+                                      predicted.vision,
+                                      odometry::num_with_depth(state_.features),
+                                      prediction.T_current_previous))
         predicted.vision.found = false;
     if (!predicted.vision.found)
         if (auto recognised = recognise(frame, prediction)) return std::move(*recognised);

@@ -20,11 +20,6 @@ constexpr int kMaxAttempts = 5;
 // A rig that hardly moves looks for new features at once if it has fewer.
 constexpr std::size_t kFewFeatures = 60;
 
-std::size_t num_with_depth(const types::Features& features) {
-    return static_cast<std::size_t>(
-        std::count_if(features.begin(), features.end(), types::has_depth));
-}
-
 }  // namespace
 
 WindowTracker::WindowTracker(const types::RectifiedRig& rig,
@@ -88,7 +83,7 @@ Observed WindowTracker::observe(const types::RectifiedFrame& frame,
         prediction);
     if (state_.map.empty() ||
         odometry::well_supported(
-            state_.rig, seen.vision, num_with_depth(state_.features), expected) ||
+            state_.rig, seen.vision, odometry::num_with_depth(state_.features), expected) ||
         state_.scene.confirms(seen.vision, expected))
         return seen;
     return recovery_.recover(frame, prediction, std::move(seen));

@@ -46,10 +46,11 @@ TEST(SupportTest, AFewFeaturesConfirmThePrediction) {
 TEST(SupportTest, ChanceExplainsFewPairsThatAgreeOnAnUnexpectedMotion) {
     const types::RectifiedRig rig = synthetic::rig();
     const Eigen::Isometry3d at_rest = Eigen::Isometry3d::Identity();
-    EXPECT_TRUE(explained_by_chance(rig, motion_of(9), at_rest));
-    EXPECT_TRUE(explained_by_chance(rig, motion_of(20, 30), at_rest));
-    EXPECT_FALSE(explained_by_chance(rig, motion_of(20), at_rest));
-    EXPECT_FALSE(explained_by_chance(rig, motion_of(9), motion_of(9).T_current_previous));
+    EXPECT_TRUE(explained_by_chance(rig, motion_of(9), 20, at_rest));
+    EXPECT_TRUE(explained_by_chance(rig, motion_of(20, 30), 60, at_rest));
+    EXPECT_TRUE(explained_by_chance(rig, motion_of(20), 500, at_rest));
+    EXPECT_FALSE(explained_by_chance(rig, motion_of(20), 60, at_rest));
+    EXPECT_FALSE(explained_by_chance(rig, motion_of(9), 500, motion_of(9).T_current_previous));
 }
 
 TEST(SupportTest, PairsThatDisagreeOrFeaturesInOneCornerDoNotSupport) {
