@@ -15,7 +15,9 @@ constexpr double kMinShareOfPrevious = 0.4;
 constexpr double kMinShareOfPairs = 0.7;
 constexpr std::size_t kMinUnexpected = 12;
 constexpr double kMinUnexpectedShare = 0.5;  // of the pairs
-constexpr double kMinUnexpectedShareOfPrevious = 0.05;
+// Share of the previous features. Features are looked for where the motion is expected, so the few
+// that are found there by mistake agree with it.
+constexpr double kMinShareFound = 0.05;
 constexpr double kNearPrediction_px = 4.0;
 constexpr int kCellColumns = 8;
 constexpr int kCellRows = 6;
@@ -61,7 +63,8 @@ bool well_supported(const types::RectifiedRig& rig,
     if (!motion.found || num_cells(rig, motion.inliers) < kMinCells) return false;
     const bool most_agree = share(num, motion.num_pairs) >= kMinShareOfPairs;
     if (!most_agree) return false;
-    if (is_near_prediction(rig, motion.inliers, expected)) return num >= kMinSupportNearPrediction;
+    if (is_near_prediction(rig, motion.inliers, expected))
+        return num >= kMinSupportNearPrediction && share(num, num_previous) >= kMinShareFound;
     return num >= kMinSupport && share(num, num_previous) >= kMinShareOfPrevious;
 }
 
@@ -69,10 +72,10 @@ bool explained_by_chance(const types::RectifiedRig& rig,
                          const Registration& motion,
                          std::size_t num_previous,
                          const Eigen::Isometry3d& expected) {
-    if (is_near_prediction(rig, motion.inliers, expected)) return false;
     const std::size_t num = motion.inliers.size();
-    return num < kMinUnexpected || share(num, motion.num_pairs) < kMinUnexpectedShare ||
-           share(num, num_previous) < kMinUnexpectedShareOfPrevious;
+    if (share(num, num_previous) < kMinShareFound) return true;
+    if (is_near_prediction(rig, motion.inliers, expected)) return false;
+    return num < kMinUnexpected || share(num, motion.num_pairs) < kMinUnexpectedShare;
 }
 
 }  // namespace divemesh::odometry

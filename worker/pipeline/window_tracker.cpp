@@ -81,10 +81,11 @@ Observed WindowTracker::observe(const types::RectifiedFrame& frame,
         frame,
         state_.tracker.track(frame.left, state_.moving.with_dynamic(state_.features), expected),
         prediction);
+    const std::size_t num_previous = odometry::num_with_depth(state_.features);
     if (state_.map.empty() ||
-        odometry::well_supported(
-            state_.rig, seen.vision, odometry::num_with_depth(state_.features), expected) ||
-        state_.scene.confirms(seen.vision, expected))
+        odometry::well_supported(state_.rig, seen.vision, num_previous, expected) ||
+        (state_.scene.confirms(seen.vision, expected) &&
+         !odometry::explained_by_chance(state_.rig, seen.vision, num_previous, expected)))
         return seen;
     return recovery_.recover(frame, prediction, std::move(seen));
 }

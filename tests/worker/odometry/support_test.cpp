@@ -50,7 +50,8 @@ TEST(SupportTest, ChanceExplainsFewPairsThatAgreeOnAnUnexpectedMotion) {
     EXPECT_TRUE(explained_by_chance(rig, motion_of(20, 30), 60, at_rest));
     EXPECT_TRUE(explained_by_chance(rig, motion_of(20), 500, at_rest));
     EXPECT_FALSE(explained_by_chance(rig, motion_of(20), 60, at_rest));
-    EXPECT_FALSE(explained_by_chance(rig, motion_of(9), 500, motion_of(9).T_current_previous));
+    EXPECT_FALSE(explained_by_chance(rig, motion_of(9), 100, motion_of(9).T_current_previous));
+    EXPECT_TRUE(explained_by_chance(rig, motion_of(9), 500, motion_of(9).T_current_previous));
 }
 
 TEST(SupportTest, PairsThatDisagreeOrFeaturesInOneCornerDoNotSupport) {
