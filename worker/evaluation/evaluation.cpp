@@ -48,7 +48,7 @@ void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
 }
 
 void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluation& evaluation) {
-    const KnownPath path{input.trajectory, input.covariances};
+    const KnownPath path{input.trajectory, input.covariances, input.scale_sigma};
     if (!has_truth) {
         evaluation.known_distances =
             measure_known_distances(input.known_distances, nullptr, input.rig, path);

@@ -19,6 +19,7 @@ struct EvaluationInput {
     const types::Trajectory& trajectory;  // final
     const types::Trajectory& causal;
     const types::CovarianceTrack& covariances;  // of the final trajectory; empty: unknown
+    double scale_sigma = kCalibrationSigma;     // of the final trajectory
     const std::vector<types::Keyframe>& keyframes;
     const types::Breaks& breaks_ns;         // of the final trajectory
     const types::Mesh* mesh;                // null: no surface was requested

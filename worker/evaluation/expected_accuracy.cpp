@@ -13,6 +13,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kContradicts_sigmas = 3.0;
+constexpr double kSigmasOf95 = 1.96;
 constexpr double kMaxScaleSigma = 0.1;  // beyond it a check is not informative
 constexpr double kLargeShareOfPath = 0.01;
 constexpr double kLarge_m = 0.05;
@@ -62,9 +63,10 @@ PathError path_error(const ExpectedAccuracyInput& input) {
             box.isEmpty() ? 0.0 : box.diagonal().norm()};
 }
 
-// Returns an informative check, with the calibration error added to its sigma: 1 must be within it.
+// Returns an informative check, with the cameras' own error added to its sigma: 1 must be within it.
 // A check that contradicts the cameras is reported as a finding.
 std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
+                                             double cameras_sigma,
                                              const std::string& metric,
                                              const std::string& sensor,
                                              const std::string& why_not,
@@ -73,7 +75,7 @@ std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
         expected.left_out.push_back({metric, why_not});
         return std::nullopt;
     }
-    check->sigma = std::hypot(check->sigma, kCalibrationSigma);
+    check->sigma = std::hypot(check->sigma, cameras_sigma);
     if (check->sigma > kMaxScaleSigma) {
         expected.left_out.push_back({metric,
                                      "the motion determines too little: sigma would be " +
@@ -81,7 +83,8 @@ std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
         return std::nullopt;
     }
     const double off = check->scale - 1.0;
-    if (std::abs(off) > kContradicts_sigmas * check->sigma)
+    if (std::abs(off) > kContradicts_sigmas * check->sigma) {
+        expected.contradiction = std::max(expected.contradiction, std::abs(off));
         expected.findings.push_back({Severity::Warning,
                                      "scale_contradicted",
                                      "",
@@ -92,17 +95,22 @@ std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
                                          percent(check->sigma) + ")",
                                      "check the stereo calibration (baseline, focal length under "
                                      "water) and the units and noise of the sensor"});
+    }
     return check;
 }
 
 void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     const types::Recording& recording = input.recording;
+    const double scale_sigma = input.optimise.path.scale_sigma;
+    const double cameras_sigma = scale_sigma > 0.0 ? scale_sigma : kCalibrationSigma;
+    if (scale_sigma > 0.0) expected.cameras = ScaleCheck{1.0, scale_sigma};
     if (input.num_segments > 1) {
         for (const char* metric : {"scale.accelerometer", "scale.pressure"})
             expected.left_out.push_back({metric, "the dive has several segments"});
     } else {
         expected.accelerometer = with_contradiction(
             scale_by_accelerometer(recording.imu(), input.trajectory),
+            cameras_sigma,
             "scale.accelerometer",
             "the accelerometer",
             recording.imu().empty() ? "the dive has no IMU"
@@ -113,6 +121,7 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
                 recording.pressure(),
                 input.trajectory,
                 covariance_scale(input.optimise.loops) * input.optimise.path.vertical_scale_sigma),
+            cameras_sigma,
             "scale.pressure",
             "the pressure sensor",
             recording.pressure().empty() ? "the dive has no pressure sensor"
@@ -122,10 +131,38 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     expected.known_distances = with_contradiction(
         input.known_distances ? scale_by_distances(*input.known_distances, path_error(input))
                               : std::nullopt,
+        cameras_sigma,
         "scale.known_distances",
         "known distances",
         "fewer than three known distances could be measured",
         expected);
+}
+
+// Adds, where sensors contradict the scale of the cameras, what the positions would be off by if the
+// sensors were right.
+void cover_contradiction(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
+    if (expected.contradiction <= 0.0) return;
+    if (expected.cameras)
+        expected.cameras->sigma =
+            std::hypot(expected.cameras->sigma, expected.contradiction / kSigmasOf95);
+    if (!expected.ate_bound_m || input.trajectory.empty()) return;
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const types::StampedPose& pose : input.trajectory)
+        centre += pose.T_world_imu.translation() / static_cast<double>(input.trajectory.size());
+    double squares_m2 = 0.0;
+    for (const types::StampedPose& pose : input.trajectory)
+        squares_m2 += (pose.T_world_imu.translation() - centre).squaredNorm();
+    const double spread_m = std::sqrt(squares_m2 / static_cast<double>(input.trajectory.size()));
+    const double way_m = (input.trajectory.back().T_world_imu.translation() -
+                          input.trajectory.front().T_world_imu.translation())
+                             .norm();
+    const auto add = [&](std::optional<double>& value_m, double length_m, double sigmas) {
+        value_m = std::hypot(*value_m, expected.contradiction * length_m / sigmas);
+    };
+    add(expected.ate_bound_m, spread_m, 1.0);
+    add(expected.ate_expected_m, spread_m, kSigmasOf95);
+    add(expected.end_bound_m, way_m, 1.0);
+    add(expected.end_expected_m, way_m, kSigmasOf95);
 }
 
 void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
@@ -169,6 +206,7 @@ ExpectedAccuracy expected_accuracy(const ExpectedAccuracyInput& input) {
     ExpectedAccuracy expected;
     add_trajectory(input, expected);
     add_scale(input, expected);
+    cover_contradiction(input, expected);
     add_residuals_of(input, expected);
     add_surface(input, expected);
     find_large_bounds(input, expected);
@@ -189,6 +227,7 @@ json to_metrics(const ExpectedAccuracy& expected) {
     if (expected.loop_residual_m)
         result["trajectory"]["loops"] = {{"residual_rms_m", *expected.loop_residual_m},
                                          {"covariance_scale", *expected.covariance_scale}};
+    if (expected.cameras) result["scale"]["cameras"] = to_metrics(*expected.cameras);
     if (expected.accelerometer)
         result["scale"]["accelerometer"] = to_metrics(*expected.accelerometer);
     if (expected.pressure) result["scale"]["pressure"] = to_metrics(*expected.pressure);

@@ -43,6 +43,8 @@ struct ExpectedAccuracy {
     std::optional<double> ate_expected_m;   // the same as RMS over many such dives
     std::optional<double> loop_residual_m;  // RMS over the closed loops
     std::optional<double> covariance_scale;  // of standard deviations, from the loops
+    std::optional<ScaleCheck> cameras;  // scale 1; sigma by calibration and path
+    double contradiction = 0.0;         // largest difference of a sensor's scale that contradicts 1
     std::optional<ScaleCheck> accelerometer;
     std::optional<ScaleCheck> pressure;
     std::optional<ScaleCheck> known_distances;

@@ -17,7 +17,7 @@ std::vector<markers::TagView> find_tags(Reconstruction& made,
     const types::RefinedCalibration& calibration = made.optimised.calibration;
     std::optional<camera::Rerectifier> refined;
     if (calibration.lenses_applied)
-        refined.emplace(made.recording.rig(), made.track.rig, calibration.applied_lenses);
+        refined.emplace(made.recording.rig(), made.track.rig, calibration.lenses);
     return markers::find_tags_in(made.recording,
                                  made.optimised.keyframes,
                                  made.marker_plan->family,

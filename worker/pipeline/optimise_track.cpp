@@ -6,6 +6,7 @@
 
 #include "worker/base/free_memory.hpp"
 #include "worker/calibration/calibration_refinement.hpp"
+#include "worker/calibration/calibration_uncertainty.hpp"
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/loops/close_loops.hpp"
 #include "worker/loops/drift_model.hpp"
@@ -75,6 +76,7 @@ private:
     imu::InertialPrior inertial_;
     loops::DriftModel drift_;
     std::vector<loops::Loop> loops_;  // the accepted ones
+    calibration::CalibrationRefinement refinement_;
     types::OptimisedTrack result_;
 };
 
@@ -123,10 +125,10 @@ void TrackOptimiser::drop_loops(const std::string& why) {
 }
 
 void TrackOptimiser::refine_calibration(const types::Track& closed) {
-    const calibration::CalibrationRefinement refinement = calibration::refine_calibration(
+    refinement_ = calibration::refine_calibration(
         closed, recording_, options_, inertial_, progress_, at(0.4));
-    result_.calibration = refinement.calibration;
-    for (const types::SolverOutcome& outcome : refinement.solves) {
+    result_.calibration = refinement_.calibration;
+    for (const types::SolverOutcome& outcome : refinement_.solves) {
         result_.statistics.calibration.add(outcome);
         add(solver_findings(
             outcome, "calibration_not_converged", "the refinement of the calibration"));
@@ -153,12 +155,17 @@ bool TrackOptimiser::adjust(types::Track closed) {
     inertial_.align({result_.calibration.applied_alignment().time_offset_s});
     calibration::apply_calibration(recording_.rig(), result_.calibration, closed);
     base::return_freed_memory();
+    refinement_.calibration = result_.calibration;
     const optimisation::GlobalBundleAdjustment adjusted =
         optimisation::adjust_globally(closed.rig,
                                       inertial_,
                                       closed.keyframes,
                                       closed.landmarks,
                                       predicted_motions(),
+                                      calibration::calibration_uncertainty(recording_.rig(),
+                                                                           closed.rig,
+                                                                           refinement_,
+                                                                           options_.align_cameras),
                                       progress_,
                                       at(0.6));
     result_.statistics.bundle_adjustment.add(adjusted.outcome);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "worker/calibration/calibration_refinement.hpp"
 #include "worker/evaluation/surface_samples.hpp"
 #include "worker/pipeline/align_cameras.hpp"
 #include "worker/pipeline/measured_poses.hpp"
@@ -69,11 +70,15 @@ std::vector<Finding> findings(const Reconstruction& made,
 }  // namespace
 
 evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
+    const types::Rig refined =
+        calibration::refined_rig(made.recording.rig(), made.optimised.calibration);
+    const double scale_sigma = made.optimised.statistics.path.scale_sigma;
     return evaluation::evaluate_reconstruction(
-        {.rig = made.scale ? made.scale->applied(made.recording.rig()) : made.recording.rig(),
+        {.rig = made.scale ? made.scale->applied(refined) : refined,
          .trajectory = made.optimised.trajectory,
          .causal = measured_causal(made.track),
          .covariances = made.optimised.covariances,
+         .scale_sigma = scale_sigma > 0.0 ? scale_sigma : evaluation::kCalibrationSigma,
          .keyframes = made.optimised.keyframes,
          .breaks_ns = made.optimised.breaks_ns,
          .mesh = made.request.options.surface ? &made.surface.mesh : nullptr,
