@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "worker/base/text.hpp"
+#include "worker/imu/estimate_alignment.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 
 namespace divemesh::evaluation {
@@ -17,6 +18,7 @@ constexpr double kSigmasOf95 = 1.96;
 constexpr double kMaxScaleSigma = 0.1;  // beyond it a check is not informative
 constexpr double kLargeShareOfPath = 0.01;
 constexpr double kLarge_m = 0.05;
+constexpr double kEndOverAte = 3.0;  // of an error that grows along the path
 
 // Returns the factor on standard deviations; 1 without loops, as there are no residuals then.
 double covariance_scale(const types::LoopStatistics& loops) {
@@ -109,7 +111,8 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
             expected.left_out.push_back({metric, "the dive has several segments"});
     } else {
         expected.accelerometer = with_contradiction(
-            scale_by_accelerometer(recording.imu(), input.trajectory),
+            scale_by_accelerometer(imu::aligned(recording.imu(), {input.imu_clock_offset_s}),
+                                   input.trajectory),
             cameras_sigma,
             "scale.accelerometer",
             "the accelerometer",
@@ -189,7 +192,9 @@ void add_surface(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected)
 void find_large_bounds(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     if (!expected.end_bound_m) return;
     const double path_m = input.path_length_m;
-    if (*expected.end_bound_m <= std::max(kLarge_m, kLargeShareOfPath * path_m)) return;
+    const double large_m = std::max(kLarge_m, kLargeShareOfPath * path_m);
+    // A tilt of the first pose turns the whole path; only the rest of the error at the end is drift.
+    if (std::min(*expected.end_bound_m, kEndOverAte * *expected.ate_bound_m) <= large_m) return;
     expected.findings.push_back({Severity::Warning,
                                  "drift_may_be_large",
                                  "",

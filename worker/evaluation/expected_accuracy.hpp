@@ -25,6 +25,7 @@ struct ExpectedAccuracyInput {
     const types::OptimiseStatistics& optimise;
     const KnownDistanceErrors* known_distances = nullptr;  // null: the dive has none
     const types::Mesh* mesh = nullptr;                     // null: no surface was requested
+    double imu_clock_offset_s = 0.0;  // IMU time minus camera time, as applied
 };
 
 // A metric that cannot be given, and the reason.

@@ -31,7 +31,9 @@ evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments
          .track = made.track.statistics,
          .optimise = made.optimised.statistics,
          .known_distances = known ? &*known : nullptr,
-         .mesh = made.request.options.surface ? &made.surface.mesh : nullptr});
+         .mesh = made.request.options.surface ? &made.surface.mesh : nullptr,
+         .imu_clock_offset_s =
+             made.optimised.calibration.applied_alignment().time_offset_s});
 }
 
 std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
@@ -119,6 +121,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .segments = segments,
          .mesh = mesh_metrics(made),
          .markers = made.markers,
+         .scale_correction = made.scale_correction,
          .stages = made.stages,
          .evaluation = made.evaluation,
          .expected = accuracy,
