@@ -6,7 +6,7 @@
 namespace divemesh::calibration {
 namespace {
 
-constexpr double kFocalSigma = 0.0015;       // relative
+constexpr double kFocalSigma = 0.0015;        // relative
 constexpr double kCentreSigma = 1.0 / 640.0;  // of the width of the image
 constexpr double kDistortionSigma = 0.02;
 constexpr double kDistortionShare = 0.15;  // of the coefficient, if that is larger

@@ -10,7 +10,7 @@ using LensCovariance =
     Eigen::Matrix<double, LensReprojection::kNumChanges, LensReprojection::kNumChanges>;
 
 // Standard deviations of what a careful calibration under water is wrong by.
-constexpr double kBaselineSigma = 0.002;      // relative
+constexpr double kBaselineSigma = 0.002;       // relative
 constexpr double kStereoRotationSigma = 5e-4;  // rad, of the right camera about each axis
 // The same after the rows of the images were aligned; the yaw is then part of the lenses' centres.
 constexpr double kAlignedRotationSigma = 1.5e-4;  // rad

@@ -15,15 +15,15 @@ namespace divemesh::calibration {
 struct CalibrationRefinement {
     types::RefinedCalibration calibration;
     LensCovariance lens_covariance = LensCovariance::Zero();  // of calibration.lenses
-    std::vector<types::SolverOutcome> solves;  // empty: too few data to estimate it
+    std::vector<types::SolverOutcome> solves;                 // empty: too few data to estimate it
 };
 
 // Returns the calibration by a bundle adjustment over keyframes and evenly thinned landmarks with
 // the calibration free: time offset and rotation of the IMU by its gyroscope; focal length,
 // principal point, k1 and k2 of both lenses by the images as recorded. Each has a prior as wide as
-// the error of a careful calibration, and all of the lenses are applied together: parts of them, held
-// against the rest, would be wrong. A change is applied if it is significant, so a good calibration
-// stays as it is. The result of a failed solve is not applied.
+// the error of a careful calibration, and all of the lenses are applied together: parts of them,
+// held against the rest, would be wrong. A change is applied if it is significant, so a good
+// calibration stays as it is. The result of a failed solve is not applied.
 CalibrationRefinement refine_calibration(const types::Track& track,
                                          const types::Recording& recording,
                                          const ReconstructionOptions& options,

@@ -152,8 +152,9 @@ optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& r
     result.covariance(kBaseline, kBaseline) = kBaselineSigma * kBaselineSigma;
     result.covariance.block<3, 3>(kImu, kImu) = of_imu_rotation(rig, refined.calibration);
     if (rig.imu_noise)
-        result.covariance.block<3, 3>(kLeverArm, kLeverArm).diagonal().setConstant(
-            kLeverArmSigma_m * kLeverArmSigma_m);
+        result.covariance.block<3, 3>(kLeverArm, kLeverArm)
+            .diagonal()
+            .setConstant(kLeverArmSigma_m * kLeverArmSigma_m);
     result.time_offset_sigma_s = of_time_offset(rig, refined.calibration);
     return result;
 }

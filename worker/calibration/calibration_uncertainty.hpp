@@ -8,10 +8,10 @@
 namespace divemesh::calibration {
 
 // Returns what the calibration is not known by once `refined.calibration` is applied: both lenses,
-// the rotation of the right camera, the length of the baseline, mounting and clock of the IMU. Where
-// the dive told a parameter it has the uncertainty of that estimate, and what was estimated but not
-// applied is part of it; all else has that of a careful calibration. `rows_aligned`: the images have
-// told how the right camera stands.
+// the rotation of the right camera, the length of the baseline, mounting and clock of the IMU.
+// Where the dive told a parameter it has the uncertainty of that estimate, and what was estimated
+// but not applied is part of it; all else has that of a careful calibration. `rows_aligned`: the
+// images have told how the right camera stands.
 optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& rig,
                                                              const types::RectifiedRig& rectified,
                                                              const CalibrationRefinement& refined,

@@ -35,6 +35,12 @@ CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_si
     result.sources = std::move(sources);
     result.contradicted =
         std::abs(result.sensors.scale - 1.0) > kContradicts_sigmas * result.sensors.sigma;
+    if (std::abs(result.sensors.scale - 1.0) >
+        kContradicts_sigmas * std::hypot(result.sensors.sigma, cameras_sigma)) {
+        result.factor = result.sensors.scale;
+        result.sigma = result.sensors.sigma;
+        return result;
+    }
     const double by_sensors = information(result.sensors);
     const double by_cameras = information({1.0, cameras_sigma});
     result.factor = (by_sensors * result.sensors.scale + by_cameras) / (by_sensors + by_cameras);
@@ -44,8 +50,7 @@ CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_si
 
 nlohmann::json to_metrics(const CombinedScale& scale) {
     nlohmann::json sources = nlohmann::json::object();
-    for (const ScaleSource& source : scale.sources)
-        sources[source.name] = to_metrics(source.check);
+    for (const ScaleSource& source : scale.sources) sources[source.name] = to_metrics(source.check);
     return {{"factor", scale.factor}, {"sigma", scale.sigma}, {"sources", std::move(sources)}};
 }
 

@@ -65,8 +65,8 @@ PathError path_error(const ExpectedAccuracyInput& input) {
             box.isEmpty() ? 0.0 : box.diagonal().norm()};
 }
 
-// Returns an informative check, with the cameras' own error added to its sigma: 1 must be within it.
-// A check that contradicts the cameras is reported as a finding.
+// Returns an informative check, with the cameras' own error added to its sigma: 1 must be within
+// it. A check that contradicts the cameras is reported as a finding.
 std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
                                              double cameras_sigma,
                                              const std::string& metric,
@@ -141,8 +141,8 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
         expected);
 }
 
-// Adds, where sensors contradict the scale of the cameras, what the positions would be off by if the
-// sensors were right.
+// Adds, where sensors contradict the scale of the cameras, what the positions would be off by if
+// the sensors were right.
 void cover_contradiction(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     if (expected.contradiction <= 0.0) return;
     if (expected.cameras)
@@ -193,7 +193,8 @@ void find_large_bounds(const ExpectedAccuracyInput& input, ExpectedAccuracy& exp
     if (!expected.end_bound_m) return;
     const double path_m = input.path_length_m;
     const double large_m = std::max(kLarge_m, kLargeShareOfPath * path_m);
-    // A tilt of the first pose turns the whole path; only the rest of the error at the end is drift.
+    // A tilt of the first pose turns the whole path; only the rest of the error at the end is
+    // drift.
     if (std::min(*expected.end_bound_m, kEndOverAte * *expected.ate_bound_m) <= large_m) return;
     expected.findings.push_back({Severity::Warning,
                                  "drift_may_be_large",

@@ -244,8 +244,7 @@ KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistanc
         const auto a = end_of(marks_a, rig, path.trajectory);
         const auto b = end_of(marks_b, rig, path.trajectory);
         if (a && b) measured.measured_m = (a->p_world - b->p_world).norm();
-        if (a && b && !path.covariances.empty())
-            measured.sigma_m = sigma_of_length_m(*a, *b, path);
+        if (a && b && !path.covariances.empty()) measured.sigma_m = sigma_of_length_m(*a, *b, path);
         errors.distances.push_back(measured);
     }
     summarise(errors);

@@ -112,9 +112,8 @@ SharedJacobian BundleAdjustment::Implementation::shared_jacobian(
     }
     shared.by_time = Eigen::VectorXd::Zero(size);
     const auto moves = [&](const double* block, const Eigen::Vector3d& per_second) {
-        const int at = graph.contains(block)
-                           ? start[static_cast<std::size_t>(graph.index_of(block))]
-                           : -1;
+        const int at =
+            graph.contains(block) ? start[static_cast<std::size_t>(graph.index_of(block))] : -1;
         if (at >= 0) shared.by_time.segment<3>(at) = per_second;
     };
     for (std::size_t k = 0; k < states.size(); ++k) {
@@ -312,7 +311,8 @@ JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& sta
         return factor.solve(unit);
     };
     // One column per independent error of the calibration.
-    const Eigen::MatrixXd by_calibration = factor.solve(information.B) * root_of(calibration, jacobian.by_time.size() > 0);
+    const Eigen::MatrixXd by_calibration =
+        factor.solve(information.B) * root_of(calibration, jacobian.by_time.size() > 0);
     const auto shared = [&](const double* block) -> Eigen::MatrixXd {
         if (start_of(block) < 0) return Eigen::MatrixXd::Zero(3, by_calibration.cols());
         return by_calibration.middleRows<3>(start_of(block));

@@ -47,7 +47,7 @@ struct CalibrationUncertainty {
     // Returns d(u, v, disparity)/d(error), a column per error of the cameras: what must be added to
     // a predicted measurement for it to be the measured one. Empty: the calibration is exact.
     std::function<Eigen::Matrix3Xd(const Eigen::Vector3d& measured_px)> shift_px;
-    Eigen::MatrixXd covariance;       // of these errors
+    Eigen::MatrixXd covariance;        // of these errors
     double time_offset_sigma_s = 0.0;  // of the clocks of the cameras and of the IMU
 };
 
@@ -121,8 +121,8 @@ public:
                                       const base::ProgressCallback& progress,
                                       const Progress& at);
     // Returns the joint covariance of states after solve_sparse, with everything else marginalised,
-    // the cameras' noise as in their residuals, and the errors of the calibration. `rates` are those
-    // of the states, in the order in which they were added. `states` is empty if they are not
+    // the cameras' noise as in their residuals, and the errors of the calibration. `rates` are
+    // those of the states, in the order in which they were added. `states` is empty if they are not
     // determined.
     JointCovariance covariances(const std::vector<BodyState*>& states,
                                 const CalibrationUncertainty& calibration = {},

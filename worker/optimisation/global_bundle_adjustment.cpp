@@ -136,12 +136,11 @@ GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
     WorldReference reference;
     add_inertial_factors(bundle_adjustment, inertial, keyframes, states, reference);
     types::SolverOutcome outcome = bundle_adjustment.solve_sparse(kMaxIterations, progress, at);
-    Uncertainty uncertainty =
-        relative_to_first(bundle_adjustment,
-                          keyframes,
-                          states,
-                          calibration,
-                          rates_of(inertial, keyframes, states, reference));
+    Uncertainty uncertainty = relative_to_first(bundle_adjustment,
+                                                keyframes,
+                                                states,
+                                                calibration,
+                                                rates_of(inertial, keyframes, states, reference));
     const Eigen::Quaterniond q_level_world = gravity_alignment(inertial, reference);
     for (std::size_t k = 0; k < states.size(); ++k)
         keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;

@@ -97,8 +97,8 @@ void add_landmark(Rows rows, Accumulator& sum) {
 
 // A solved problem, linearised at its solution, without its losses.
 struct Linearised {
-    std::vector<int> start;  // of each kept block; -1: constant
-    int num_kept = 0;        // columns; those of the landmarks come after
+    std::vector<int> start;      // of each kept block; -1: constant
+    int num_kept = 0;            // columns; those of the landmarks come after
     int first_observed_row = 0;  // all rows from here on are observations
     std::vector<double> residuals;
     ceres::CRSMatrix jacobian;
@@ -242,7 +242,8 @@ std::optional<Score> score_of(const Linearised& all,
 // Adds what a shift of the sensors' clock does to the rows that are not the cameras'.
 void add_by_time(const Linearised& all, const Eigen::VectorXd& by_time, Eigen::VectorXd& B) {
     for (int row = 0; row < all.first_observed_row; ++row) {
-        const auto begin = static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row)]);
+        const auto begin =
+            static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row)]);
         const auto end =
             static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row) + 1]);
         double moved = 0.0;
@@ -319,7 +320,8 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
     const auto num_fitted = static_cast<double>(std::count(seen.begin(), seen.end(), true));
     const double few = num_landmarks / std::max(1.0, num_landmarks - 1.0) * num_free /
                        std::max(1.0, num_free - num_fitted);
-    return {cameras.sum() + others.sum(), few * scores.sum() + others.sum(), std::move(B), all.start};
+    return {
+        cameras.sum() + others.sum(), few * scores.sum() + others.sum(), std::move(B), all.start};
 }
 
 }  // namespace divemesh::optimisation

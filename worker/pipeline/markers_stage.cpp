@@ -14,7 +14,7 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr double kMaxScaleSigma = 0.05;
-constexpr double kMaxCorrection = 0.1;  // beyond it a size was stated wrong
+constexpr double kMaxCorrection = 0.1;              // beyond it a size was stated wrong
 constexpr double kAccelerometerScaleSigma = 0.003;  // of the sensor itself
 
 markers::MarkerWorld world_of(const types::OptimisedTrack& optimised) {
@@ -75,9 +75,9 @@ std::vector<evaluation::ScaleSource> scale_sources(const Reconstruction& made) {
     };
     if (made.markers && made.markers->scale)
         add("markers",
-            evaluation::ScaleCheck{made.markers->scale->factor,
-                                   std::hypot(made.markers->scale->sigma,
-                                              made.markers->systematic_scale_sigma)});
+            evaluation::ScaleCheck{
+                made.markers->scale->factor,
+                std::hypot(made.markers->scale->sigma, made.markers->systematic_scale_sigma)});
     const types::OptimisedTrack& optimised = made.optimised;
     if (!optimised.breaks_ns.empty()) return sources;
     if (made.options().use_imu && !made.track.left_out.imu && !made.track.left_out.accelerometer) {
@@ -100,16 +100,17 @@ Finding corrected_finding(const evaluation::CombinedScale& scale) {
     const auto percent = [](double share) { return base::fixed(100.0 * share, 2) + " %"; };
     std::string names;
     for (const evaluation::ScaleSource& source : scale.sources)
-        names += (names.empty() ? "" : ", ") + source.name + " " + percent(source.check.scale - 1.0) +
-                 " +- " + percent(source.check.sigma);
-    return {Severity::Warning,
-            "scale_corrected",
-            "",
-            "what measures lengths contradicts the cameras' calibration (" + names +
-                " against the cameras), so the whole result was scaled by " +
-                base::fixed(scale.factor, 4) + " +- " + base::fixed(scale.sigma, 4),
-            "calibrate the rig again in water, above all its baseline; correct_scale=off leaves the "
-            "scale as calibrated"};
+        names += (names.empty() ? "" : ", ") + source.name + " " +
+                 percent(source.check.scale - 1.0) + " +- " + percent(source.check.sigma);
+    return {
+        Severity::Warning,
+        "scale_corrected",
+        "",
+        "what measures lengths contradicts the cameras' calibration (" + names +
+            " against the cameras), so the whole result was scaled by " +
+            base::fixed(scale.factor, 4) + " +- " + base::fixed(scale.sigma, 4),
+        "calibrate the rig again in water, above all its baseline; correct_scale=off leaves the "
+        "scale as calibrated"};
 }
 
 // Scales the result where all that measures lengths contradicts the cameras.

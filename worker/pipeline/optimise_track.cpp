@@ -156,18 +156,16 @@ bool TrackOptimiser::adjust(types::Track closed) {
     calibration::apply_calibration(recording_.rig(), result_.calibration, closed);
     base::return_freed_memory();
     refinement_.calibration = result_.calibration;
-    const optimisation::GlobalBundleAdjustment adjusted =
-        optimisation::adjust_globally(closed.rig,
-                                      inertial_,
-                                      closed.keyframes,
-                                      closed.landmarks,
-                                      predicted_motions(),
-                                      calibration::calibration_uncertainty(recording_.rig(),
-                                                                           closed.rig,
-                                                                           refinement_,
-                                                                           options_.align_cameras),
-                                      progress_,
-                                      at(0.6));
+    const optimisation::GlobalBundleAdjustment adjusted = optimisation::adjust_globally(
+        closed.rig,
+        inertial_,
+        closed.keyframes,
+        closed.landmarks,
+        predicted_motions(),
+        calibration::calibration_uncertainty(
+            recording_.rig(), closed.rig, refinement_, options_.align_cameras),
+        progress_,
+        at(0.6));
     result_.statistics.bundle_adjustment.add(adjusted.outcome);
     types::TrackCheck& check = result_.statistics.check;
     check.before = agreement(track_, track_, adjusted.landmark_stride, drift_);

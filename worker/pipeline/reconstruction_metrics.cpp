@@ -32,8 +32,7 @@ evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments
          .optimise = made.optimised.statistics,
          .known_distances = known ? &*known : nullptr,
          .mesh = made.request.options.surface ? &made.surface.mesh : nullptr,
-         .imu_clock_offset_s =
-             made.optimised.calibration.applied_alignment().time_offset_s});
+         .imu_clock_offset_s = made.optimised.calibration.applied_alignment().time_offset_s});
 }
 
 std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {

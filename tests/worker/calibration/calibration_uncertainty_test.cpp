@@ -93,9 +93,8 @@ TEST_F(CalibrationUncertaintyTest, WhatWasEstimatedButNotAppliedIsPartOfTheError
                 1e-6 + 1e-8,
                 1e-12);
     refined.calibration.lenses_applied = true;
-    EXPECT_NEAR(calibration_uncertainty(rig(), rectified_, refined, true).covariance(0, 0),
-                1e-8,
-                1e-12);
+    EXPECT_NEAR(
+        calibration_uncertainty(rig(), rectified_, refined, true).covariance(0, 0), 1e-8, 1e-12);
 }
 
 }  // namespace

@@ -10,13 +10,19 @@ namespace {
 
 TEST(CombinedScaleTest, WeighsEachByWhatItKnows) {
     const CombinedScale scale =
-        combined_scale({{"markers", {1.02, 0.001}}, {"accelerometer", {1.02, 0.01}}}, 0.005);
+        combined_scale({{"markers", {1.01, 0.001}}, {"accelerometer", {1.01, 0.01}}}, 0.005);
     EXPECT_TRUE(scale.contradicted);
-    EXPECT_NEAR(scale.sensors.scale, 1.02, 1e-12);
+    EXPECT_NEAR(scale.sensors.scale, 1.01, 1e-12);
     const double by_sensors = 1e6 + 1e4;
     const double by_cameras = 1.0 / (0.005 * 0.005);
-    EXPECT_NEAR(scale.factor, 1.0 + 0.02 * by_sensors / (by_sensors + by_cameras), 1e-12);
+    EXPECT_NEAR(scale.factor, 1.0 + 0.01 * by_sensors / (by_sensors + by_cameras), 1e-12);
     EXPECT_NEAR(scale.sigma, 1.0 / std::sqrt(by_sensors + by_cameras), 1e-12);
+}
+
+TEST(CombinedScaleTest, ARigThatIsNotAsCalibratedIsNotBelieved) {
+    const CombinedScale scale = combined_scale({{"accelerometer", {0.96, 0.005}}}, 0.005);
+    EXPECT_NEAR(scale.factor, 0.96, 1e-12);
+    EXPECT_NEAR(scale.sigma, 0.005, 1e-12);
 }
 
 TEST(CombinedScaleTest, SensorsThatDisagreeKnowLess) {

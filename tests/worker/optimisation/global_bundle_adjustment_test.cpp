@@ -82,16 +82,16 @@ TEST(CalibrationUncertaintyTest, TheBaselineIsTheScaleOfThePath) {
     const auto [uncertain, same] =
         adjusted({by_baseline, Eigen::MatrixXd::Constant(1, 1, kSigma * kSigma), 0.0});
 
-    const double length_m = (keyframes.back().T_world_cam.translation() -
-                             keyframes.front().T_world_cam.translation())
-                                .norm();
+    const double length_m =
+        (keyframes.back().T_world_cam.translation() - keyframes.front().T_world_cam.translation())
+            .norm();
     const Eigen::Matrix3d added_m2 =
         uncertain.covariances.back().position_m2 - exact.covariances.back().position_m2;
     EXPECT_NEAR(std::sqrt(added_m2.trace()), kSigma * length_m, 0.05 * kSigma * length_m);
-    EXPECT_NEAR(std::sqrt(std::pow(uncertain.path.scale_sigma, 2) -
-                          std::pow(exact.path.scale_sigma, 2)),
-                kSigma,
-                0.05 * kSigma);
+    EXPECT_NEAR(
+        std::sqrt(std::pow(uncertain.path.scale_sigma, 2) - std::pow(exact.path.scale_sigma, 2)),
+        kSigma,
+        0.05 * kSigma);
 }
 
 }  // namespace
