@@ -24,7 +24,7 @@ JobKind job_kind_from_string(std::string_view text);  // throws Error{InvalidArg
 
 // Progress of a job. The pipeline reports it through one callback.
 struct Progress {
-    std::string stage;      // track, optimise, fuse, mesh, texture, evaluate
+    std::string stage;      // of kStageNames; a run of stages fills it in
     double fraction = 0.0;  // of the whole job, 0 to 1
     std::int64_t frames_done = 0;
     std::int64_t num_frames = 0;

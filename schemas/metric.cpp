@@ -25,7 +25,8 @@ using Descriptions = std::map<std::string, Description>;
 
 // clang-format off
 constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
-    {"_deg_per_m", "deg/m"}, {"_m_s2", "m/s^2"}, {"_per_m2", "1/m^2"}, {"_per_s", "1/s"},
+    {"_deg_per_m", "deg/m"}, {"_m_s2", "m/s^2"}, {"_per_m2", "1/m^2"}, {"_per_m", "1/m"},
+    {"_per_s", "1/s"},
     {"_m2", "m^2"}, {"_m3", "m^3"}, {"_px", "px"}, {"_deg", "deg"}, {"_percent", "%"}, {"_ppm", "ppm"},
     {"_bytes", "byte"}, {"_ns", "ns"}, {"_mm", "mm"}, {"_m", "m"}, {"_s", "s"}};
 

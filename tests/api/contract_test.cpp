@@ -74,6 +74,8 @@ TEST(ContractTest, DescribesTheKeysThatOurTypesHave) {
                                                             {"Forecast", Forecast{}},
                                                             {"Job", Job{}},
                                                             {"Attempt", Attempt{}},
+                                                            {"TruthFile", TruthFile{}},
+                                                            {"Schedule", Schedule{}},
                                                             {"Queue", Queue{}},
                                                             {"Worker", Worker{}},
                                                             {"Artifact", Artifact{}},

@@ -1,6 +1,7 @@
 #include "worker/camera/projection.hpp"
 
 #include <Eigen/LU>
+#include <array>
 #include <cmath>
 
 namespace divemesh::camera {
@@ -25,6 +26,22 @@ Eigen::Vector2d distort(const types::Camera& camera, const Eigen::Vector2d& n) {
     return n;
 }
 
+// Returns the angle to the axis of an equidistant lens at a distance from the principal point in
+// focal lengths, by bisection: at most kMaxFisheyeAngle_rad.
+double angle_at(const std::array<double, 4>& k, double distance) {
+    const auto distance_at = [&](double angle) {
+        const double t2 = angle * angle;
+        return angle * (1.0 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
+    };
+    double below = 0.0;
+    double above = kMaxFisheyeAngle_rad;
+    for (int i = 0; i < 52; ++i) {
+        const double middle = 0.5 * (below + above);
+        (distance_at(middle) < distance ? below : above) = middle;
+    }
+    return 0.5 * (below + above);
+}
+
 }  // namespace
 
 std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen::Vector3d& p_cam) {
@@ -37,6 +54,13 @@ std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen:
 Eigen::Vector3d unproject(const types::Camera& camera, const Eigen::Vector2d& pixel) {
     const Eigen::Vector2d d((pixel.x() - camera.cx_px) / camera.fx_px,
                             (pixel.y() - camera.cy_px) / camera.fy_px);
+    if (camera.distortion == types::Distortion::Equidistant) {
+        const double distance = d.norm();
+        if (distance < 1e-12) return {d.x(), d.y(), 1.0};
+        const double scale =
+            std::tan(angle_at(camera.distortion_coefficients, distance)) / distance;
+        return {scale * d.x(), scale * d.y(), 1.0};
+    }
     // Starts at the distorted point, then Newton with a numeric Jacobian: converges wherever the
     // model is invertible.
     Eigen::Vector2d n = d;

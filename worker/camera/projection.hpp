@@ -1,11 +1,15 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <numbers>
 #include <optional>
 
 #include "worker/types/camera.hpp"
 
 namespace divemesh::camera {
+
+// Rays of a fisheye lens end at this angle to its axis: no rectified image shows what is beyond it.
+constexpr double kMaxFisheyeAngle_rad = 85.0 * std::numbers::pi / 180.0;
 
 // Returns the pixel of a point in the camera frame (m, z forward); nullopt if the point is not in
 // front of the camera. The pixel may lie outside the image.

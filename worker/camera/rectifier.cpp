@@ -73,12 +73,13 @@ Rectifier::Rectifier(const types::Rig& rig) {
     narrow(extent, rig.cam1, right.R_camera_rectified.transpose());
     const double width = rig.cam0.width_px - 1.0;
     const double height = rig.cam0.height_px - 1.0;
-    // The widest field of view without empty borders; of a fisheye only the middle.
+    // The widest field of view without empty borders. Of a fisheye only the middle: at half of its
+    // focal length, 72 degrees to both sides at an image width of 3.1 focal lengths.
     const double native =
         0.25 * (rig.cam0.fx_px + rig.cam0.fy_px + rig.cam1.fx_px + rig.cam1.fy_px);
-    rig_.focal_px = std::max({width / (extent.right - extent.left),
-                              height / (extent.bottom - extent.top),
-                              0.5 * native});
+    const double covering =
+        std::max(width / (extent.right - extent.left), height / (extent.bottom - extent.top));
+    rig_.focal_px = std::max(covering, 0.5 * native);
     if (!std::isfinite(rig_.focal_px) || extent.right <= extent.left ||
         extent.bottom <= extent.top || rig_.focal_px > 4.0 * native)
         throw Error(ErrorCode::BadData,
@@ -86,8 +87,14 @@ Rectifier::Rectifier(const types::Rig& rig) {
                     "intrinsics of cam0 and cam1");
     rig_.width_px = rig.cam0.width_px;
     rig_.height_px = rig.cam0.height_px;
-    rig_.cx_px = 0.5 * width - rig_.focal_px * 0.5 * (extent.left + extent.right);
-    rig_.cy_px = 0.5 * height - rig_.focal_px * 0.5 * (extent.top + extent.bottom);
+    const bool is_middle = rig_.focal_px > covering;
+    const auto middle = [&](double begin, double end, double size) {
+        if (!is_middle) return 0.5 * (begin + end);
+        const double half = 0.5 * size / rig_.focal_px;
+        return std::clamp(0.0, begin + half, end - half);  // of all in view the nearest to the axis
+    };
+    rig_.cx_px = 0.5 * width - rig_.focal_px * middle(extent.left, extent.right, width);
+    rig_.cy_px = 0.5 * height - rig_.focal_px * middle(extent.top, extent.bottom, height);
     rig_.baseline_m = rig.baseline_m();
     rig_.T_imu_cam = rig.T_imu_cam0;
     rig_.T_imu_cam.linear() = rig.T_imu_cam0.linear() * left.R_camera_rectified;

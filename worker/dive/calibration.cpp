@@ -122,6 +122,24 @@ private:
             std::copy_n(k.begin(), 4, camera_.distortion_coefficients.begin());
     }
 
+    // Returns whether a pixel at the edge of a fisheye image belongs to a ray that is cut off.
+    bool is_cut_off(const Eigen::Vector2d& pixel) const {
+        if (camera_.distortion != types::Distortion::Equidistant) return false;
+        const Eigen::Vector2d centre(camera_.cx_px, camera_.cy_px);
+        double reach_px = 0.0;
+        constexpr int kSteps = 32;
+        for (int i = 1; i <= kSteps; ++i) {
+            const double angle = camera::kMaxFisheyeAngle_rad * i / kSteps;
+            const auto seen =
+                camera::project(camera_, Eigen::Vector3d(std::sin(angle), 0.0, std::cos(angle)));
+            if (!seen || seen->x() - centre.x() <= reach_px) return false;  // the image folds
+            reach_px = seen->x() - centre.x();
+        }
+        const double aspect = camera_.fx_px / camera_.fy_px;
+        const Eigen::Vector2d offset = pixel - centre;
+        return std::hypot(offset.x(), aspect * offset.y()) > reach_px;
+    }
+
     // Checks that every pixel belongs to exactly one ray: projects and unprojects along rays to the
     // border of the image.
     void check_distortion() {
@@ -133,6 +151,7 @@ private:
                     (0.5 + 0.5 * std::clamp(1.5 * std::cos(angle), -1.0, 1.0)) * camera_.width_px,
                     (0.5 + 0.5 * std::clamp(1.5 * std::sin(angle), -1.0, 1.0)) * camera_.height_px);
                 const Eigen::Vector2d pixel = centre + share * (border - centre);
+                if (is_cut_off(pixel)) continue;
                 const auto back = camera::project(camera_, camera::unproject(camera_, pixel));
                 if (!back || !((*back - pixel).norm() < 0.5)) return true;
             }

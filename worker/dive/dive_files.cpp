@@ -6,6 +6,20 @@
 #include "worker/dive/refusal.hpp"
 
 namespace divemesh::dive {
+namespace {
+
+// Returns "monday/" for "monday/mav0/cam0/data.csv"; nullopt for all but a dive's list of images.
+std::optional<std::string> folder_of_dive(std::string_view path) {
+    constexpr std::string_view kImages = "cam0/data.csv";
+    constexpr std::string_view kRoot = "mav0/";
+    if (!path.ends_with(kImages)) return std::nullopt;
+    path.remove_suffix(kImages.size());
+    if (path.ends_with(kRoot)) path.remove_suffix(kRoot.size());
+    if (!path.empty() && !path.ends_with('/')) return std::nullopt;
+    return std::string(path);
+}
+
+}  // namespace
 
 DiveFiles::DiveFiles(std::unique_ptr<DiveSource> source) : source_(std::move(source)) {
     std::vector<std::string> paths;
@@ -18,6 +32,10 @@ DiveFiles::DiveFiles(std::unique_ptr<DiveSource> source) : source_(std::move(sou
             "",
             "this is not a dive: it has neither a folder mav0/ nor cam0/",
             "Give the folder that contains mav0/cam0/data.csv, mav0/cam0/sensor.yaml and so on.");
+    for (const std::string& path : paths)
+        if (auto folder = folder_of_dive(path); folder && *folder != root->strip)
+            other_dives_.push_back(std::move(*folder));
+    std::sort(other_dives_.begin(), other_dives_.end());
     for (const SourceFile& file : source_->files())
         if (auto path = path_in_dive(*root, file.path))
             entries_.push_back({std::move(*path), &file});

@@ -25,6 +25,8 @@ public:
     std::vector<std::string> sensors() const;
     // Returns the names of the files directly in a folder ("mav0/cam0/data/"), sorted.
     std::vector<std::string> names_in(std::string_view folder) const;
+    // Returns the folders beside or below the dive that hold another one, sorted.
+    const std::vector<std::string>& other_dives() const { return other_dives_; }
     // Returns the content hash (see schemas/content_hash.hpp). Reads every file that is not hashed
     // yet.
     std::string content_sha256(const base::ProgressCallback& progress) const;
@@ -38,6 +40,7 @@ private:
 
     std::unique_ptr<DiveSource> source_;
     std::vector<Entry> entries_;  // sorted by path
+    std::vector<std::string> other_dives_;
 };
 
 }  // namespace divemesh::dive

@@ -111,14 +111,15 @@ void report_mosaic(const Measured& measured, FindingLog& findings) {
                      "put those into the dive.");
 }
 
-void report_texture(const Measured& measured, FindingLog& findings) {
+void report_texture(const Measured& measured, double share_matching, FindingLog& findings) {
     if (measured.num_frames == 0 || measured.without_texture.empty()) return;
     const double share = static_cast<double>(measured.without_texture.size()) / measured.num_frames;
     if (share < kFewWithoutTexture) return;
     const bool is_all = share > kAllWithoutTexture;
     const std::string where = "between frames " + std::to_string(measured.without_texture.front()) +
                               " and " + std::to_string(measured.without_texture.back());
-    findings.add({is_all ? Severity::Error : Severity::Warning,
+    const bool has_match = share_matching >= kHasNoMatch;
+    findings.add({is_all && !has_match ? Severity::Error : Severity::Warning,
                   "images_featureless",
                   "mav0/cam0/data",
                   base::fixed(100.0 * share, 0) + " % of the frames show nothing to follow" +
@@ -137,7 +138,7 @@ cv::Mat check_images(int num_frames,
     report_sharpness(measured, share_matching, findings);
     report_combing(measured, findings);
     report_mosaic(measured, findings);
-    report_texture(measured, findings);
+    report_texture(measured, share_matching, findings);
     cv::Mat mask = measured.pattern.mask();
     if (!mask.empty())
         findings.warning(
@@ -146,8 +147,9 @@ cv::Mat check_images(int num_frames,
             "a pattern around " +
                 base::fixed(100.0 * cv::countNonZero(mask) / static_cast<double>(mask.total()), 0) +
                 " % of the image stays in place while the scene moves: text that the "
-                "camera burns in, or a part of the rig",
-            "Switch the display of time and depth off for recordings.");
+                "camera burns in, a part of the rig, or the border of a fisheye image",
+            "Switch the display of time and depth off for recordings. Keep the rig out of view; a "
+            "border does no harm.");
     return mask;
 }
 

@@ -14,6 +14,7 @@ namespace {
 constexpr int kWidth_px = 640;
 constexpr int kCell_px = 32;
 constexpr std::size_t kMinCells = 20;  // fewer say nothing of the image
+constexpr double kBlackLevel = 3.0;    // of 255, mean over a cell
 constexpr int kMosaicBlock_px = 16;
 constexpr std::size_t kMinBlocks = 100;  // fewer are not enough to average noise out
 constexpr double kMinContrast = 0.4;     // grey values; corners with less are lost in 8 bits
@@ -54,23 +55,34 @@ double line_contrast(const cv::Mat& image, int step) {
     return cv::mean(cv::abs(difference))[0];
 }
 
-// Returns the median over square cells of a measure.
-template <typename Get>
-double median_of_cells(const cv::Mat& image, const Get& get) {
-    std::vector<double> values;
+// Returns the square cells that the scene can be in: not those outside the circle of a fisheye
+// lens, nor those that no lamp reaches.
+std::vector<cv::Rect> lit_cells(const cv::Mat& image) {
+    std::vector<cv::Rect> cells;
     for (int y = 0; y + kCell_px <= image.rows; y += kCell_px)
-        for (int x = 0; x + kCell_px <= image.cols; x += kCell_px)
-            values.push_back(get(image(cv::Rect(x, y, kCell_px, kCell_px))));
+        for (int x = 0; x + kCell_px <= image.cols; x += kCell_px) {
+            const cv::Rect cell(x, y, kCell_px, kCell_px);
+            if (cv::mean(image(cell))[0] > kBlackLevel) cells.push_back(cell);
+        }
+    return cells;
+}
+
+// Returns the median over cells of a measure.
+template <typename Get>
+double median_of_cells(const cv::Mat& image, const std::vector<cv::Rect>& cells, const Get& get) {
+    std::vector<double> values;
+    for (const cv::Rect& cell : cells) values.push_back(get(image(cell)));
     return stats::upper_median(std::move(values));
 }
 
 // Returns the standard deviation of white noise (Immerkaer 1996).
-double noise_level(const cv::Mat& image) {
+double noise_level(const cv::Mat& image, const std::vector<cv::Rect>& cells) {
     const cv::Matx33f kernel(1, -2, 1, -2, 4, -2, 1, -2, 1);
     cv::Mat second;
     cv::filter2D(image, second, CV_32F, kernel);
     return std::sqrt(0.5 * std::numbers::pi) / 6.0 *
-           median_of_cells(cv::abs(second), [](const cv::Mat& cell) { return cv::mean(cell)[0]; });
+           median_of_cells(
+               cv::abs(second), cells, [](const cv::Mat& cell) { return cv::mean(cell)[0]; });
 }
 
 }  // namespace
@@ -122,9 +134,10 @@ double mosaic_contrast(const cv::Mat& image) {
 
 bool has_texture(const cv::Mat& image) {
     const cv::Mat small = reduced(image);
-    if (small.total() < kMinCells * kCell_px * kCell_px) return true;
-    const double contrast = median_of_cells(band(small, 1.5), deviation);
-    const double noise = kNoiseGain * noise_level(small);
+    const std::vector<cv::Rect> cells = lit_cells(small);
+    if (cells.size() < kMinCells) return true;
+    const double contrast = median_of_cells(band(small, 1.5), cells, deviation);
+    const double noise = kNoiseGain * noise_level(small, cells);
     return contrast > std::max(kMinContrast, kTextureOverNoise * noise);
 }
 

@@ -19,8 +19,9 @@ double combing(const cv::Mat& image);
 // the mean brightness: 0, or the differences of the colours in a Bayer mosaic.
 double mosaic_contrast(const cv::Mat& image);
 
-// Returns whether at least half of the image has texture above its noise: a median contrast of
-// details of about 4 px, in images reduced to 640 px of width. True for images too small to tell.
+// Returns whether at least half of the image, without its black parts, has texture above its noise:
+// a median contrast of details of about 4 px, in images reduced to 640 px of width. True for images
+// too small to tell.
 bool has_texture(const cv::Mat& image);
 
 }  // namespace divemesh::dive

@@ -7,6 +7,7 @@
 
 #include "worker/base/text.hpp"
 #include "worker/dive/csv.hpp"
+#include "worker/dive/imu_frozen.hpp"
 #include "worker/dive/imu_zeros.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/stats/median.hpp"
@@ -174,6 +175,7 @@ std::vector<types::ImuSample> parse_imu(std::string_view text,
                 {timestamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
         });
     fill_zero_readings(samples, file, findings);
+    leave_out_frozen_readings(samples, file, findings);
     check_imu_units(samples, file, findings);
     return samples;
 }

@@ -1,6 +1,9 @@
 #include "worker/dive/stored_dive.hpp"
 
 #include <chrono>
+#include <cstring>
+#include <opencv2/core.hpp>
+#include <utility>
 
 #include "worker/dive/coverage.hpp"
 #include "worker/dive/entry_name.hpp"
@@ -15,6 +18,7 @@ namespace {
 
 constexpr int kPrefetchedPairs = 3;
 constexpr int kImagesProbed = 5;
+constexpr double kMinDeviation = 2.0;  // grey values; less is water, or a lens cap
 constexpr const char* kReferenceMesh = "reference.ply";
 
 // Returns a callback that passes on at most one call per 50 ms.
@@ -31,7 +35,24 @@ base::ProgressCallback throttled(const base::ProgressCallback& progress) {
 std::string remedy_for(const std::string& code) {
     if (code == "image_size") return "Record with the resolution of the calibration.";
     if (code == "image_missing") return "Copy the recording again and compare the number of files.";
+    if (code == "image_repeated")
+        return "Record without a change of the frame rate, and check the camera's connection.";
     return "The dive runs without this frame. If you need it, copy the image again.";
+}
+
+// Returns whether an image with a scene in it is that of the frame before, to the last bit. A
+// camera that looks at the same scene twice shows other noise.
+bool is_repeated(const cv::Mat& before, const cv::Mat& image) {
+    if (image.empty() || before.size() != image.size()) return false;
+    for (int row = 0; row < image.rows; ++row)
+        if (std::memcmp(before.ptr(row),
+                        image.ptr(row),
+                        static_cast<std::size_t>(image.cols) * image.elemSize()) != 0)
+            return false;
+    cv::Scalar mean;
+    cv::Scalar deviation;
+    cv::meanStdDev(image, mean, deviation);
+    return deviation[0] > kMinDeviation;
 }
 
 // Returns whether IMU or AHRS cover the right camera's time and not the left one's.
@@ -57,6 +78,7 @@ StoredDive::StoredDive(const std::filesystem::path& path,
       files_(open_source(path, scratch, limits, throttled(progress), findings_)),
       contents_(read_contents(files_, limits, findings_)),
       reader_(0, kPrefetchedPairs, {}) {
+    report_other_dives();
     pair_images();
     check_coverage(contents_, findings_);
     check_reference_mesh();
@@ -70,6 +92,14 @@ StoredDive::StoredDive(const std::filesystem::path& path,
     contents_.fixed_pattern =
         check_images(num_frames(), load_pair, contents_.frames.delay.share_fitting, findings_);
     check_motion(contents_, load_pair, progress, findings_);
+}
+
+void StoredDive::report_other_dives() {
+    for (const std::string& folder : files_.other_dives())
+        findings_.warning("further_dive",
+                          printable(folder),
+                          "there is another dive in " + printable(folder) + ": it is not used",
+                          "Give each dive by itself: its folder, or an archive of its folder.");
 }
 
 // Pairs left and right images, by their timestamps alone if nothing is known of the cameras.
@@ -144,10 +174,22 @@ std::optional<types::StereoFrame> StoredDive::next_frame() {
                               "images have 16 bits per channel; only the upper 8 are used",
                               "Record 8 bits, or scale 10- and 12-bit data to the full range.");
         }
+        leave_out_repeated(*pair);
         if (pair->is_complete()) return frame_of(std::move(*pair));
         report_skipped(*pair);
     }
     return std::nullopt;
+}
+
+// Drops an image that a recorder wrote again as another frame, or that a camera which hangs gave
+// again: it does not show the time of its frame.
+void StoredDive::leave_out_repeated(LoadedPair& pair) {
+    const auto check = [](cv::Mat& before, LoadedImage& now) {
+        if (is_repeated(std::exchange(before, now.image), now.image))
+            now = {{}, "image_repeated", "it is the image of the frame before, bit by bit", false};
+    };
+    check(previous_left_, pair.left);
+    check(previous_right_, pair.right);
 }
 
 std::optional<types::StereoFrame> StoredDive::frame(int index) const {

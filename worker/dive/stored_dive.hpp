@@ -28,7 +28,11 @@ public:
     std::optional<types::StereoFrame> next_frame() override;
     std::optional<types::StereoFrame> frame(int index) const override;
     cv::Mat left_in_color(int frame_index) const override;
-    void rewind() override { reader_.rewind(); }
+    void rewind() override {
+        reader_.rewind();
+        previous_left_.release();
+        previous_right_.release();
+    }
     std::int64_t num_skipped_frames() const override { return std::ssize(skipped_); }
 
     const DiveInfo& info() const override { return contents_.info; }
@@ -48,17 +52,21 @@ public:
 
 private:
     LoadedPair load(int index) const;
+    void report_other_dives();
     void pair_images();
     void check_reference_mesh();
     void check_first_images();
     types::StereoFrame frame_of(LoadedPair pair) const;
+    void leave_out_repeated(LoadedPair& pair);
     void report_skipped(const LoadedPair& pair);
 
     FindingLog findings_;
     DiveLimits limits_;
     DiveFiles files_;
     DiveContents contents_;
-    FrameReader reader_;  // last: its threads use the members above
+    FrameReader reader_;     // last: its threads use the members above
+    cv::Mat previous_left_;  // of the pair that was loaded last
+    cv::Mat previous_right_;
     std::set<int> skipped_;
     bool has_reported_16_bit_ = false;
     mutable std::string content_sha256_;  // computed on first use

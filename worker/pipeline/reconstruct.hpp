@@ -16,7 +16,7 @@
 #include "worker/types/rectified_rig.hpp"
 #include "worker/types/track.hpp"
 
-// The method: four stages that together are the paper's eight steps. Each is a function from values
+// The method: functions that together are the paper's eight steps. Each is a function from values
 // to values, so a stage can start from what the previous one wrote to disk
 // (worker/pipeline/stage_files.hpp).
 namespace divemesh::pipeline {

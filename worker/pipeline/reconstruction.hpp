@@ -75,7 +75,7 @@ struct Reconstruction {
 
     // mesh
     Surface surface;
-    mesh::MeshBorders borders;  // valid after border_finder.wait(), which the next stage calls
+    mesh::MeshBorders borders;  // valid after border_finder.wait(), which texture calls
 
     // texture
     std::string thumbnail_png;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
@@ -73,6 +74,39 @@ TEST(RectifierTest, PutsAPointOnOneRowWithTheDisparityOfItsDepth) {
         EXPECT_LT((left - ideal.pixel(p_cam)).norm(), 0.1);
         EXPECT_NEAR(left.y(), right.y(), 0.1);
         EXPECT_NEAR(left.x() - right.x(), ideal.disparity_px(p_cam.z()), 0.1);
+    }
+}
+
+TEST(RectifierTest, TakesTheMiddleOfAFisheyeImageThatSeesBehindItself) {
+    types::Rig rig = converging_rig();
+    // At 150 px a radian the corners are 150 degrees off the axis.
+    rig.cam0 = {640, 480, 150.0, 150.0, 310.0, 246.0, types::Distortion::Equidistant, {}};
+    rig.cam1 = {640, 480, 150.0, 150.0, 325.0, 237.0, types::Distortion::Equidistant, {}};
+
+    const types::RectifiedRig ideal = Rectifier(rig).rig();
+
+    EXPECT_NEAR(ideal.focal_px, 75.0, 1e-9);
+    EXPECT_NEAR(ideal.cx_px, 319.5, 1e-9);
+    EXPECT_NEAR(ideal.cy_px, 239.5, 1e-9);
+}
+
+TEST(ProjectionTest, FisheyeRaysAreThoseOfTheirPixels) {
+    const types::Camera camera{
+        640,
+        480,
+        286.2,
+        286.3,
+        421.1,
+        398.2,
+        types::Distortion::Equidistant,
+        {-0.0053, 0.0419, -0.0394, 0.0064}};  // as of a tracking camera with a fisheye lens
+    for (double angle_deg = 0.0; angle_deg < 85.0; angle_deg += 3.0) {
+        const double angle = angle_deg * std::numbers::pi / 180.0;
+        const Eigen::Vector3d ray(0.6 * std::sin(angle), -0.8 * std::sin(angle), std::cos(angle));
+
+        const Eigen::Vector3d found = unproject(camera, *project(camera, ray));
+
+        EXPECT_LT((found.normalized() - ray).norm(), 1e-9) << angle_deg << " degrees";
     }
 }
 

@@ -6,6 +6,7 @@
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/dive/finding_matcher.hpp"
 #include "tests/worker/dive/tiny_dive.hpp"
+#include "worker/dive/dive.hpp"
 #include "worker/dive/intake.hpp"
 
 namespace divemesh::dive {
@@ -103,6 +104,35 @@ TEST_F(BadRecordingTest, ACalibrationThatCannotBeInvertedIsRefused) {
 TEST_F(BadRecordingTest, LensDistortionThatFoldsTheImageIsRefused) {
     tiny_.replace(kCam0Yaml, "[-0.1, 0.01", "[-3.0, 0.01");
 
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_invertible", kCam0Yaml));
+}
+
+TEST_F(BadRecordingTest, AnImageThatIsWrittenAgainIsSkippedAndNamed) {
+    const auto name = [](const char* camera, int index) {
+        return std::string("mav0/") + camera + "/data/" + TinyDive::image_name(index);
+    };
+    tiny_.write(name("cam0", 1), tiny_.read(name("cam0", 0)));  // both cameras
+    tiny_.write(name("cam1", 1), tiny_.read(name("cam1", 0)));
+    tiny_.write(name("cam1", 3), tiny_.read(name("cam1", 2)));  // one camera hangs
+
+    const auto dive = Dive::open(tiny_.folder(), folder_ / "scratch");
+    std::vector<int> shown;
+    while (const auto frame = dive->next_frame()) shown.push_back(frame->index);
+
+    EXPECT_EQ(shown, (std::vector<int>{0, 2, 4}));
+    EXPECT_EQ(dive->num_skipped_frames(), 2);
+    EXPECT_THAT(dive->findings(), HasFinding(Severity::Warning, "image_repeated", name("cam1", 3)));
+}
+
+TEST_F(BadRecordingTest, AFisheyeThatSeesBehindItselfIsTakenUnlessItsImageFolds) {
+    tiny_.replace(
+        kCam0Yaml, "distortion_model: radial-tangential", "distortion_model: equidistant");
+    tiny_.replace(kCam0Yaml, "[50.0, 50.0", "[18.0, 18.0");
+    tiny_.replace(kCam0Yaml, "[-0.1, 0.01", "[0.01, -0.001");
+    EXPECT_THAT(findings(),
+                testing::Not(HasFinding(Severity::Warning, "calibration_distortion", kCam0Yaml)));
+
+    tiny_.replace(kCam0Yaml, "[0.01, -0.001", "[-1.0, -0.001");
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_not_invertible", kCam0Yaml));
 }
 

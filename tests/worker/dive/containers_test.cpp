@@ -76,6 +76,19 @@ INSTANTIATE_TEST_SUITE_P(Archives,
                              return "form" + std::to_string(static_cast<int>(form.param.container));
                          });
 
+TEST(FolderTest, ASecondDiveIsToldAndTheFirstIsUsed) {
+    const TemporaryFolder folder;
+    const TinyDive monday(folder / "both/monday");
+    const TinyDive tuesday(folder / "both/tuesday");
+    tuesday.remove("mav0/imu0");
+
+    const auto report =
+        examine_dive(folder / "both", folder / "scratch", base::ignore_progress).findings;
+
+    EXPECT_THAT(report, HasFinding(Severity::Warning, "further_dive", "tuesday/"));
+    EXPECT_FALSE(has_error(report));
+}
+
 TEST(FolderTest, Mav0ItselfMayBeTheRoot) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");

@@ -129,8 +129,22 @@ TEST(ImageChecksTest, OpenWaterIsToldAndRefusedIfThereIsNothingElse) {
 
     EXPECT_THAT(findings_of(half, half),
                 HasFinding(Severity::Warning, "images_featureless", "50 %"));
-    EXPECT_THAT(findings_of(water, water),
+    EXPECT_THAT(findings_of(water, water, 0.0),
                 HasFinding(Severity::Error, "images_featureless", "100 %"));
+    EXPECT_THAT(findings_of(water, water, 0.3),
+                HasFinding(Severity::Warning, "images_featureless", "100 %"));
+}
+
+TEST(ImageChecksTest, ASceneInAPartOfTheImageHasTexture) {
+    const Render fisheye = [](int frame) {
+        cv::Mat mask = cv::Mat::zeros(480, 640, CV_8U);
+        cv::circle(mask, {320, 240}, 130, cv::Scalar(255), -1);  // a sixth of the image
+        cv::Mat image = cv::Mat::zeros(480, 640, CV_8U);
+        scene(frame).copyTo(image, mask);
+        return image;
+    };
+
+    EXPECT_TRUE(findings_of(fisheye, fisheye).empty());
 }
 
 TEST(ImageChecksTest, TextThatTheCameraBurnsInIsMasked) {
