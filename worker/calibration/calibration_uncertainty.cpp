@@ -18,6 +18,8 @@ constexpr int kBaseline = kStereo + 3;
 constexpr int kImu = kBaseline + 1;  // rotation about the axes of the IMU
 constexpr int kLeverArm = kImu + 3;
 constexpr int kSize = kLeverArm + 3;
+constexpr double kTypicalDisparity_px = 20.0;
+constexpr double kBiasSigmas = 2.0;  // ranges are not independent of each other
 using Shift = Eigen::Matrix<double, 3, kSize>;
 using LensShift = Eigen::Matrix<double, 2, types::LensChange::kSize>;
 
@@ -105,9 +107,29 @@ LensChanges joined(const std::array<types::LensChange, 2>& lenses) {
     return changes;
 }
 
-LensCovariance of_lenses(const types::Rig& rig, const CalibrationRefinement& refined) {
+// Returns true if the images have told how the right camera stands, and this is how it is used.
+bool is_aligned(const types::RigAlignment& alignment) {
+    using Outcome = types::RigAlignment::Outcome;
+    return alignment.outcome == Outcome::AsStated ||
+           (alignment.outcome == Outcome::Moved && alignment.applied);
+}
+
+// Returns the prior of the lenses, given what ranges told of the disparities in the centre.
+LensCovariance without_refinement(const types::Rig& rig,
+                                  const Eigen::Matrix3Xd& shift_in_centre,
+                                  const types::RigAlignment& alignment) {
+    const LensCovariance prior = lens_prior_sigmas(rig).cwiseAbs2().asDiagonal();
+    if (alignment.disparity_bias_sigma_px <= 0.0 || !is_aligned(alignment)) return prior;
+    const double left_px =
+        alignment.applied && alignment.moves_disparities() ? 0.0 : alignment.disparity_bias_px;
+    const double sigma_px = std::hypot(kBiasSigmas * alignment.disparity_bias_sigma_px, left_px);
+    const LensChanges bias = shift_in_centre.row(2).head<LensReprojection::kNumChanges>();
+    const LensChanges gain = prior * bias;
+    return prior - gain * gain.transpose() / (bias.dot(gain) + sigma_px * sigma_px);
+}
+
+LensCovariance of_lenses(const CalibrationRefinement& refined) {
     const types::RefinedCalibration& calibration = refined.calibration;
-    if (!calibration.is_known()) return lens_prior_sigmas(rig).cwiseAbs2().asDiagonal();
     LensChanges left_out = joined(calibration.lenses);
     if (calibration.lenses_applied) left_out -= joined(calibration.lenses);
     return refined.lens_covariance + left_out * left_out.transpose();
@@ -137,16 +159,20 @@ double of_time_offset(const types::Rig& rig, const types::RefinedCalibration& ca
 optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& rig,
                                                              const types::RectifiedRig& rectified,
                                                              const CalibrationRefinement& refined,
-                                                             bool rows_aligned) {
+                                                             const types::RigAlignment& alignment) {
     optimisation::CalibrationUncertainty result;
     const auto shifts = std::make_shared<const CalibrationShifts>(rig, rectified);
     result.shift_px = [shifts](const Eigen::Vector3d& measured_px) {
         return shifts->of(measured_px);
     };
     result.covariance = Eigen::MatrixXd::Zero(kSize, kSize);
+    const Eigen::Vector3d centre_px(rectified.cx_px, rectified.cy_px, kTypicalDisparity_px);
     result.covariance.block<LensReprojection::kNumChanges, LensReprojection::kNumChanges>(
-        kLenses, kLenses) = of_lenses(rig, refined);
-    const double rotation_sigma = rows_aligned ? kAlignedRotationSigma : kStereoRotationSigma;
+        kLenses, kLenses) = refined.calibration.is_known()
+                                ? of_lenses(refined)
+                                : without_refinement(rig, shifts->of(centre_px), alignment);
+    const double rotation_sigma =
+        is_aligned(alignment) ? kAlignedRotationSigma : kStereoRotationSigma;
     for (const int axis : {0, 2})
         result.covariance(kStereo + axis, kStereo + axis) = rotation_sigma * rotation_sigma;
     result.covariance(kBaseline, kBaseline) = kBaselineSigma * kBaselineSigma;

@@ -30,8 +30,8 @@ bool load_optimise(Reconstruction& made, const std::string& key) {
 }
 
 void run_optimise(Reconstruction& made, const base::ProgressCallback& progress) {
-    made.optimised =
-        optimise(made.track, made.recording, made.options(), made.keyframe_store, progress);
+    made.optimised = optimise(
+        made.track, made.recording, made.options(), made.keyframe_store, made.alignment, progress);
 }
 
 void save_optimise(Reconstruction& made, const std::string& key) {

@@ -32,11 +32,13 @@ public:
                    const types::Recording& recording,
                    const ReconstructionOptions& options,
                    const keyframes::KeyframeStore& store,
+                   const types::RigAlignment& alignment,
                    const base::ProgressCallback& progress)
         : track_(track),
           recording_(recording),
           options_(options),
           store_(store),
+          alignment_(alignment),
           progress_(progress),
           inertial_(recording, options, track.left_out),
           drift_(track.keyframes, track.landmarks, &inertial_) {}
@@ -72,6 +74,7 @@ private:
     const types::Recording& recording_;
     const ReconstructionOptions& options_;
     const keyframes::KeyframeStore& store_;
+    const types::RigAlignment& alignment_;
     const base::ProgressCallback& progress_;
     imu::InertialPrior inertial_;
     loops::DriftModel drift_;
@@ -162,8 +165,7 @@ bool TrackOptimiser::adjust(types::Track closed) {
         closed.keyframes,
         closed.landmarks,
         predicted_motions(),
-        calibration::calibration_uncertainty(
-            recording_.rig(), closed.rig, refinement_, options_.align_cameras),
+        calibration::calibration_uncertainty(recording_.rig(), closed.rig, refinement_, alignment_),
         progress_,
         at(0.6));
     result_.statistics.bundle_adjustment.add(adjusted.outcome);
@@ -244,8 +246,9 @@ types::OptimisedTrack optimise_track(const types::Track& track,
                                      const types::Recording& recording,
                                      const ReconstructionOptions& options,
                                      const keyframes::KeyframeStore& store,
+                                     const types::RigAlignment& alignment,
                                      const base::ProgressCallback& progress) {
-    return TrackOptimiser(track, recording, options, store, progress).run();
+    return TrackOptimiser(track, recording, options, store, alignment, progress).run();
 }
 
 }  // namespace divemesh::pipeline

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "worker/camera/rectifier.hpp"
@@ -37,7 +38,7 @@ class CalibrationUncertaintyTest : public testing::Test {
 protected:
     CalibrationUncertaintyTest()
         : rectified_(camera::Rectifier(rig()).rig()),
-          uncertainty_(calibration_uncertainty(rig(), rectified_, {}, true)) {}
+          uncertainty_(calibration_uncertainty(rig(), rectified_, {}, {})) {}
 
     // Returns (u, v, disparity) of a point on the body.
     static Eigen::Vector3d measured_px(const types::RectifiedRig& rig,
@@ -84,17 +85,32 @@ TEST_F(CalibrationUncertaintyTest, TheRightCameraMovesDisparities) {
     EXPECT_DOUBLE_EQ(shift(2, kBaseline), before.z());
 }
 
+TEST_F(CalibrationUncertaintyTest, RangesNarrowTheBiasOfDisparities) {
+    types::RigAlignment alignment;
+    alignment.outcome = types::RigAlignment::Outcome::AsStated;
+    alignment.disparity_bias_sigma_px = 0.05;
+    const Eigen::Vector3d centre_px(rectified_.cx_px, rectified_.cy_px, 20.0);
+    const auto bias_sigma_px = [&](const types::RigAlignment& found) {
+        const auto uncertainty = calibration_uncertainty(rig(), rectified_, {}, found);
+        const Eigen::RowVectorXd bias = uncertainty.shift_px(centre_px).row(2).head(kStereo);
+        return std::sqrt(
+            (bias * uncertainty.covariance.topLeftCorner(kStereo, kStereo) * bias.transpose())(0));
+    };
+    EXPECT_NEAR(bias_sigma_px({}), std::sqrt(1.0 + 1.0 + 0.25 * 0.25), 0.05);
+    EXPECT_NEAR(bias_sigma_px(alignment), 0.1, 0.005);
+}
+
 TEST_F(CalibrationUncertaintyTest, WhatWasEstimatedButNotAppliedIsPartOfTheError) {
     CalibrationRefinement refined;
     refined.lens_covariance = 1e-8 * LensCovariance::Identity();
     refined.calibration.lens_sigmas.fill(types::LensChange::Vector::Constant(1e-4));
     refined.calibration.lenses[0].values[0] = 1e-3;
-    EXPECT_NEAR(calibration_uncertainty(rig(), rectified_, refined, true).covariance(0, 0),
+    EXPECT_NEAR(calibration_uncertainty(rig(), rectified_, refined, {}).covariance(0, 0),
                 1e-6 + 1e-8,
                 1e-12);
     refined.calibration.lenses_applied = true;
     EXPECT_NEAR(
-        calibration_uncertainty(rig(), rectified_, refined, true).covariance(0, 0), 1e-8, 1e-12);
+        calibration_uncertainty(rig(), rectified_, refined, {}).covariance(0, 0), 1e-8, 1e-12);
 }
 
 }  // namespace
