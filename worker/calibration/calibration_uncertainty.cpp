@@ -19,6 +19,8 @@ constexpr int kImu = kBaseline + 1;  // rotation about the axes of the IMU
 constexpr int kLeverArm = kImu + 3;
 constexpr int kSize = kLeverArm + 3;
 constexpr double kTypicalDisparity_px = 20.0;
+// Of a distortion's prior, which is wide enough to find one that is far off.
+constexpr double kTypicalDistortion = 0.33;
 constexpr double kBiasSigmas = 2.0;  // ranges are not independent of each other
 using Shift = Eigen::Matrix<double, 3, kSize>;
 using LensShift = Eigen::Matrix<double, 2, types::LensChange::kSize>;
@@ -118,7 +120,9 @@ bool is_aligned(const types::RigAlignment& alignment) {
 LensCovariance without_refinement(const types::Rig& rig,
                                   const Eigen::Matrix3Xd& shift_in_centre,
                                   const types::RigAlignment& alignment) {
-    const LensCovariance prior = lens_prior_sigmas(rig).cwiseAbs2().asDiagonal();
+    LensChanges sigmas = lens_prior_sigmas(rig);
+    for (const int coefficient : {3, 4, 8, 9}) sigmas[coefficient] *= kTypicalDistortion;
+    const LensCovariance prior = sigmas.cwiseAbs2().asDiagonal();
     if (alignment.disparity_bias_sigma_px <= 0.0 || !is_aligned(alignment)) return prior;
     const double left_px =
         alignment.applied && alignment.moves_disparities() ? 0.0 : alignment.disparity_bias_px;

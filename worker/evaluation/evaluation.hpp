@@ -19,7 +19,6 @@ struct EvaluationInput {
     const types::Trajectory& trajectory;  // final
     const types::Trajectory& causal;
     const types::CovarianceTrack& covariances;  // of the final trajectory; empty: unknown
-    double scale_sigma = kCalibrationSigma;     // of the final trajectory
     const std::vector<types::Keyframe>& keyframes;
     const types::Breaks& breaks_ns;         // of the final trajectory
     const types::Mesh* mesh;                // null: no surface was requested
@@ -27,6 +26,7 @@ struct EvaluationInput {
     const std::vector<dive::KnownDistance>& known_distances;
     const std::optional<types::Mesh>& reference;  // in the ground truth's world
     int num_threads = 0;
+    double scale_sigma = kCalibrationSigma;  // of the final trajectory
 };
 
 // The result compared with the ground truth that the dive contains; parts without ground truth are

@@ -111,13 +111,16 @@ SharedJacobian BundleAdjustment::Implementation::shared_jacobian(
         if (!block.fixed) size += block.tangent_size();
     }
     shared.by_time = Eigen::VectorXd::Zero(size);
-    const auto moves = [&](const double* block, const Eigen::Vector3d& per_second) {
-        const int at =
-            graph.contains(block) ? start[static_cast<std::size_t>(graph.index_of(block))] : -1;
-        if (at >= 0) shared.by_time.segment<3>(at) = per_second;
+    const auto moves = [&](double* block, const Eigen::Vector3d& per_second) {
+        if (!graph.contains(block)) return;
+        const int at = start[static_cast<std::size_t>(graph.index_of(block))];
+        if (at >= 0)
+            shared.by_time.segment<3>(at) = per_second;
+        else
+            shared.constants.push_back({block, per_second});
     };
     for (std::size_t k = 0; k < states.size(); ++k) {
-        const BodyState& state = *states[k];
+        BodyState& state = *states[k];
         // Ceres' tangent of a quaternion is half the rotation vector.
         moves(state.q_world_imu.coeffs().data(), 0.5 * rates[k].angular_velocity_world);
         moves(state.p_world_imu.data(), state.velocity_world);

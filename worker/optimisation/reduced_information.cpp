@@ -239,19 +239,33 @@ std::optional<Score> score_of(const Linearised& all,
                  num_free};
 }
 
-// Adds what a shift of the sensors' clock does to the rows that are not the cameras'.
-void add_by_time(const Linearised& all, const Eigen::VectorXd& by_time, Eigen::VectorXd& B) {
-    for (int row = 0; row < all.first_observed_row; ++row) {
-        const auto begin =
-            static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row)]);
-        const auto end =
-            static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row) + 1]);
-        double moved = 0.0;
-        for (std::size_t i = begin; i < end; ++i)
-            moved += all.jacobian.values[i] * by_time[all.jacobian.cols[i]];
-        for (std::size_t i = begin; i < end; ++i)
-            B[all.jacobian.cols[i]] += all.jacobian.values[i] * moved;
+// Adds J x to `sum`, row by row, for the rows that are not the cameras'.
+void add_product(const ceres::CRSMatrix& J, const Eigen::VectorXd& x, Eigen::VectorXd& sum) {
+    for (Eigen::Index row = 0; row < sum.size(); ++row)
+        for (auto i = static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row)]);
+             i < static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row) + 1]);
+             ++i)
+            sum[row] += J.values[i] * x[J.cols[i]];
+}
+
+// Returns what a shift of the sensors' clock does to the rows that are not the cameras'.
+Eigen::VectorXd rows_by_time(ceres::Problem& problem,
+                             const Linearised& all,
+                             const SharedJacobian& shared) {
+    Eigen::VectorXd result = Eigen::VectorXd::Zero(all.first_observed_row);
+    add_product(all.jacobian, shared.by_time, result);
+    for (const SharedJacobian::Constant& constant : shared.constants) {
+        ceres::Problem::EvaluateOptions options;
+        options.apply_loss_function = false;
+        options.parameter_blocks = {constant.block};
+        problem.GetResidualBlocks(&options.residual_blocks);
+        ceres::CRSMatrix jacobian;
+        problem.SetParameterBlockVariable(constant.block);
+        problem.Evaluate(options, nullptr, nullptr, nullptr, &jacobian);
+        problem.SetParameterBlockConstant(constant.block);
+        add_product(jacobian, constant.by_time, result);
     }
+    return result;
 }
 
 }  // namespace
@@ -312,9 +326,13 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
         ++num_landmarks;
     });
     if (timed) {
-        Eigen::VectorXd of_time = Eigen::VectorXd::Zero(all.num_kept);
-        add_by_time(all, shared.by_time, of_time);
-        B.rightCols<1>() = of_time;
+        const Eigen::VectorXd rows = rows_by_time(problem, all, shared);
+        for (Eigen::Index row = 0; row < rows.size(); ++row)
+            for (auto i =
+                     static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row)]);
+                 i < static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row) + 1]);
+                 ++i)
+                B(all.jacobian.cols[i], shared.num_columns) += all.jacobian.values[i] * rows[row];
     }
     // The same correction for what is fitted to all landmarks.
     const auto num_fitted = static_cast<double>(std::count(seen.begin(), seen.end(), true));

@@ -41,6 +41,12 @@ struct SharedJacobian {
     // What one unit of time adds to the kept blocks where sensors other than the cameras measure
     // them: the derivative with respect to those sensors' clock. Empty: not wanted.
     Eigen::VectorXd by_time;  // one column more, the last one
+    // The same for blocks that are held constant.
+    struct Constant {
+        double* block = nullptr;
+        Eigen::VectorXd by_time;
+    };
+    std::vector<Constant> constants;
 };
 
 // The information about all blocks but the landmarks (H) and the variance of the landmarks' summed

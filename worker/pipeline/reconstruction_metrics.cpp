@@ -79,14 +79,14 @@ evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
          .trajectory = made.optimised.trajectory,
          .causal = measured_causal(made.track),
          .covariances = made.optimised.covariances,
-         .scale_sigma = scale_sigma > 0.0 ? scale_sigma : evaluation::kCalibrationSigma,
          .keyframes = made.optimised.keyframes,
          .breaks_ns = made.optimised.breaks_ns,
          .mesh = made.request.options.surface ? &made.surface.mesh : nullptr,
          .ground_truth = made.dive.ground_truth(),
          .known_distances = made.dive.known_distances(),
          .reference = made.dive.read_reference_mesh(),
-         .num_threads = made.request.options.num_threads});
+         .num_threads = made.request.options.num_threads,
+         .scale_sigma = scale_sigma > 0.0 ? scale_sigma : evaluation::kCalibrationSigma});
 }
 
 nlohmann::json metrics_of(const Reconstruction& made) {
