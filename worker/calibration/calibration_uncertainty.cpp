@@ -80,7 +80,7 @@ private:
     Eigen::RowVector3d by_rotation(double right_px, double v_px) const {
         const double x = (right_px - rig_.cx_px) / rig_.focal_px;
         const double y = (v_px - rig_.cy_px) / rig_.focal_px;
-        return rig_.focal_px * Eigen::RowVector3d(x * y, -(1.0 + x * x), y);
+        return rig_.focal_px * Eigen::RowVector3d(-x * y, 1.0 + x * x, -y);
     }
     // Returns how far rotation and translation of both cameras against the IMU move (u, v,
     // disparity).

@@ -20,9 +20,9 @@ constexpr int kStep = 5;  // frames of 0.1 s between keyframes
 constexpr double kDuration_s = 0.1 * kStep * kNumKeyframes;
 constexpr std::int64_t kEveryNthPoint = 5;
 
-constexpr double kBaselineSigma = 0.003;   // relative
-constexpr double kDisparityBias_px = 0.1;  // standard deviation
-constexpr double kClockSigma_s = 2e-3;
+constexpr double kBaselineSigma = 0.001;    // relative
+constexpr double kDisparityBias_px = 0.03;  // standard deviation
+constexpr double kClockSigma_s = 1e-3;
 constexpr double kMargin_s = 0.1;
 
 // Returns what errors of the baseline and of all disparities do to a measurement.
