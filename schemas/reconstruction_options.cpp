@@ -38,7 +38,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("texture", options.texture, "make the mosaic (no texture is made yet)");
     visit("marker_family", options.marker_family, "family of AprilTags to detect: tag36h11, tag25h9, tagStandard41h12; empty: from markers.json");
     visit("marker_size_m", options.marker_size_m, "printed size of the tags, m, as defined in docs/markers.md; 0: from markers.json");
-    visit("correct_scale", options.correct_scale, "scale the whole result by the known distances between markers");
+    visit("correct_scale", options.correct_scale, "scale of the whole result: on (by the known distances between markers), off, or auto (where markers, accelerometer or pressure contradict it)");
     visit("exports", options.exports, "files for other programs, separated by commas: kitti, euroc (trajectory), obj (mesh)");
     visit("num_threads", options.num_threads, "0: all cores; the result does not depend on it");
     visit("seed", options.seed, "seed of the random numbers of RANSAC");
@@ -88,6 +88,7 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
     faults.require_one_of("stereo", options.stereo, {"block", "sgm", "opencv_sgbm"});
     faults.require_one_of("estimator", options.estimator, {"pairwise", "window"});
     faults.require_one_of("fusion", options.fusion, {"octree", "tsdf"});
+    faults.require_one_of("correct_scale", options.correct_scale, {"auto", "on", "off"});
     faults.require_one_of("mesher", options.mesher, {"surface_nets", "marching_cubes"});
     faults.require(options.num_disparities_px >= 16 && options.num_disparities_px <= 512 &&
                        options.num_disparities_px % 16 == 0,
@@ -138,6 +139,7 @@ ReconstructionOptions preset_options(std::string_view preset) {
     if (preset == "paper") {
         options.stereo = "block";
         options.estimator = "pairwise";
+        options.correct_scale = "off";
         options.align_cameras = false;
         options.adjust_whole_dive = false;
         options.close_loops = false;
@@ -166,6 +168,9 @@ ReconstructionOptions make_options(std::string_view preset, const nlohmann::json
     if (!overrides.is_object()) throw InvalidInput({{"options must be a JSON object", "", ""}});
     OptionFaults faults;
     nlohmann::json rest = overrides;
+    // It was a switch once.
+    if (const auto scale = rest.find("correct_scale"); scale != rest.end() && scale->is_boolean())
+        *scale = scale->get<bool>() ? "on" : "off";
     for_each_option(options, [&](const char* name, auto& value, const char*) {
         const auto found = rest.find(name);
         if (found == rest.end()) return;

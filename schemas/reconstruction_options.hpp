@@ -45,7 +45,9 @@ struct ReconstructionOptions {
     // markers in the scene; these override markers.json
     std::string marker_family;   // tag36h11 | tag25h9 | tagStandard41h12; empty: as the dive says
     double marker_size_m = 0.0;  // of all tags; 0: as the dive says
-    bool correct_scale = false;  // of the whole result, by the markers' known distances
+    // Scale of the whole result: on (by the markers' known distances), off, or auto (by all that
+    // measures lengths, where it contradicts the cameras).
+    std::string correct_scale = "auto";
     // formats of other programs to export besides our own, comma-separated: kitti, euroc, obj
     std::string exports;
     // machine

@@ -34,6 +34,7 @@ constexpr Row kRows[] = {
     {"scale_contradicted",          "scale"},
     {"scale_off",                   "scale"},
     {"scale_not_corrected",         "scale"},
+    {"scale_corrected",             "scale"},
     {"scene_too_near",              "surface"},
     {"camera_unsharp",              "surface"},
     {"images_bayer",                "surface"},

@@ -39,24 +39,6 @@ constexpr double kStepSigma_rad = 3.0;
 // focal length. On exact calibrations the error of the focal length is up to 24 times the sigma of
 // independent errors. So images get less weight here, and careful calibrations more.
 constexpr double kSystematic = 5.0;  // sigma of a feature relative to that of independent errors
-// The error of a careful calibration.
-constexpr double kFocalSigma = 0.001;  // relative
-constexpr double kPrincipalPointSigma_px = 0.5;
-constexpr double kDistortionSigma = 0.02;
-constexpr double kDistortionShare = 0.15;  // of the coefficient, if that is larger
-
-LensChanges prior_sigmas(const types::Rig& rig) {
-    LensChanges sigmas;
-    for (int side = 0; side < 2; ++side) {
-        const auto& k = (side == 0 ? rig.cam0 : rig.cam1).distortion_coefficients;
-        sigmas.segment<types::LensChange::kSize>(types::LensChange::kSize * side) << kFocalSigma,
-            kPrincipalPointSigma_px, kPrincipalPointSigma_px,
-            std::max(kDistortionSigma, kDistortionShare * std::abs(k[0])),
-            std::max(kDistortionSigma, kDistortionShare * std::abs(k[1]));
-    }
-    return sigmas;
-}
-
 // Returns the angular velocity, rad/s; the time must lie between two samples.
 Eigen::Vector3d rate_at(const std::vector<types::ImuSample>& samples, std::int64_t time_ns) {
     const auto after = std::upper_bound(samples.begin() + 1,
@@ -81,7 +63,7 @@ CalibrationProblem::CalibrationProblem(const types::Track& track,
     : track_(track),
       recording_(recording),
       inertial_(inertial),
-      prior_sigmas_(prior_sigmas(recording.rig())),
+      prior_sigmas_(lens_prior_sigmas(recording.rig())),
       loss_(kHuber),
       lens_loss_(kHuber / kSystematic) {
     for (const types::Keyframe& keyframe : track.keyframes) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "worker/base/observer.hpp"
+#include "worker/calibration/calibration_priors.hpp"
 #include "worker/calibration/lens_reprojection.hpp"
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/imu/inertial_prior.hpp"
@@ -16,10 +17,6 @@
 #include "worker/types/track.hpp"
 
 namespace divemesh::calibration {
-
-using LensChanges = Eigen::Matrix<double, LensReprojection::kNumChanges, 1>;  // left, right
-using LensCovariance =
-    Eigen::Matrix<double, LensReprojection::kNumChanges, LensReprojection::kNumChanges>;
 
 // The unknowns of the calibration.
 struct CalibrationUnknowns {

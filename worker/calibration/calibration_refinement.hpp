@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "worker/base/observer.hpp"
+#include "worker/calibration/calibration_priors.hpp"
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/types/refined_calibration.hpp"
 #include "worker/types/solver_outcome.hpp"
@@ -13,20 +14,25 @@ namespace divemesh::calibration {
 // The calibration, and how the solvers that estimated it ended.
 struct CalibrationRefinement {
     types::RefinedCalibration calibration;
-    std::vector<types::SolverOutcome> solves;  // empty: too few data to estimate it
+    LensCovariance lens_covariance = LensCovariance::Zero();  // of calibration.lenses
+    std::vector<types::SolverOutcome> solves;                 // empty: too few data to estimate it
 };
 
 // Returns the calibration by a bundle adjustment over keyframes and evenly thinned landmarks with
 // the calibration free: time offset and rotation of the IMU by its gyroscope; focal length,
 // principal point, k1 and k2 of both lenses by the images as recorded. Each has a prior as wide as
-// the error of a careful calibration. A change is applied if it is significant and large enough to
-// matter, so a good calibration stays as it is. The result of a failed solve is not applied.
+// the error of a careful calibration, and all of the lenses are applied together: parts of them,
+// held against the rest, would be wrong. A change is applied if it is significant, so a good
+// calibration stays as it is. The result of a failed solve is not applied.
 CalibrationRefinement refine_calibration(const types::Track& track,
                                          const types::Recording& recording,
                                          const ReconstructionOptions& options,
                                          const imu::InertialPrior& inertial,
                                          const base::ProgressCallback& progress,
                                          const Progress& at);
+
+// Returns the rig with what is applied of the refined calibration.
+types::Rig refined_rig(const types::Rig& rig, const types::RefinedCalibration& calibration);
 
 // Changes the track to what it would be with the refined calibration: body, odometry and
 // observations. The camera poses stay.

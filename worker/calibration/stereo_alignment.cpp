@@ -17,8 +17,9 @@ constexpr std::size_t kMinMatches = 150;
 constexpr std::size_t kMinInliers = 80;
 constexpr double kMinInlierShare = 0.5;
 constexpr double kSignificant = 4.0;  // sigmas
-// Less than this is within the error of a good calibration, and tracking does not notice it.
-constexpr double kMinRowShift_px = 0.25;
+// Tracking does not notice less than this. A roll that is left tilts the ranges of all points: at
+// 0.25 px it changed the scale by 2 %.
+constexpr double kMinRowShift_px = 0.1;
 // Calibrations are off by more than this more often than not, so three sigmas convince.
 constexpr double kMinBias_px = 0.3;
 constexpr double kSignificantBias = 3.0;

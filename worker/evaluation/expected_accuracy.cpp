@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "worker/base/text.hpp"
+#include "worker/imu/estimate_alignment.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 
 namespace divemesh::evaluation {
@@ -13,9 +14,11 @@ namespace {
 using nlohmann::json;
 
 constexpr double kContradicts_sigmas = 3.0;
+constexpr double kSigmasOf95 = 1.96;
 constexpr double kMaxScaleSigma = 0.1;  // beyond it a check is not informative
 constexpr double kLargeShareOfPath = 0.01;
 constexpr double kLarge_m = 0.05;
+constexpr double kEndOverAte = 3.0;  // of an error that grows along the path
 
 // Returns the factor on standard deviations; 1 without loops, as there are no residuals then.
 double covariance_scale(const types::LoopStatistics& loops) {
@@ -62,9 +65,10 @@ PathError path_error(const ExpectedAccuracyInput& input) {
             box.isEmpty() ? 0.0 : box.diagonal().norm()};
 }
 
-// Returns an informative check, with the calibration error added to its sigma: 1 must be within it.
-// A check that contradicts the cameras is reported as a finding.
+// Returns an informative check, with the cameras' own error added to its sigma: 1 must be within
+// it. A check that contradicts the cameras is reported as a finding.
 std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
+                                             double cameras_sigma,
                                              const std::string& metric,
                                              const std::string& sensor,
                                              const std::string& why_not,
@@ -73,7 +77,7 @@ std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
         expected.left_out.push_back({metric, why_not});
         return std::nullopt;
     }
-    check->sigma = std::hypot(check->sigma, kCalibrationSigma);
+    check->sigma = std::hypot(check->sigma, cameras_sigma);
     if (check->sigma > kMaxScaleSigma) {
         expected.left_out.push_back({metric,
                                      "the motion determines too little: sigma would be " +
@@ -81,7 +85,8 @@ std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
         return std::nullopt;
     }
     const double off = check->scale - 1.0;
-    if (std::abs(off) > kContradicts_sigmas * check->sigma)
+    if (std::abs(off) > kContradicts_sigmas * check->sigma) {
+        expected.contradiction = std::max(expected.contradiction, std::abs(off));
         expected.findings.push_back({Severity::Warning,
                                      "scale_contradicted",
                                      "",
@@ -92,17 +97,23 @@ std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
                                          percent(check->sigma) + ")",
                                      "check the stereo calibration (baseline, focal length under "
                                      "water) and the units and noise of the sensor"});
+    }
     return check;
 }
 
 void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     const types::Recording& recording = input.recording;
+    const double scale_sigma = input.optimise.path.scale_sigma;
+    const double cameras_sigma = scale_sigma > 0.0 ? scale_sigma : kCalibrationSigma;
+    if (scale_sigma > 0.0) expected.cameras = ScaleCheck{1.0, scale_sigma};
     if (input.num_segments > 1) {
         for (const char* metric : {"scale.accelerometer", "scale.pressure"})
             expected.left_out.push_back({metric, "the dive has several segments"});
     } else {
         expected.accelerometer = with_contradiction(
-            scale_by_accelerometer(recording.imu(), input.trajectory),
+            scale_by_accelerometer(imu::aligned(recording.imu(), {input.imu_clock_offset_s}),
+                                   input.trajectory),
+            cameras_sigma,
             "scale.accelerometer",
             "the accelerometer",
             recording.imu().empty() ? "the dive has no IMU"
@@ -113,6 +124,7 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
                 recording.pressure(),
                 input.trajectory,
                 covariance_scale(input.optimise.loops) * input.optimise.path.vertical_scale_sigma),
+            cameras_sigma,
             "scale.pressure",
             "the pressure sensor",
             recording.pressure().empty() ? "the dive has no pressure sensor"
@@ -122,10 +134,38 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     expected.known_distances = with_contradiction(
         input.known_distances ? scale_by_distances(*input.known_distances, path_error(input))
                               : std::nullopt,
+        cameras_sigma,
         "scale.known_distances",
         "known distances",
         "fewer than three known distances could be measured",
         expected);
+}
+
+// Adds, where sensors contradict the scale of the cameras, what the positions would be off by if
+// the sensors were right.
+void cover_contradiction(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
+    if (expected.contradiction <= 0.0) return;
+    if (expected.cameras)
+        expected.cameras->sigma =
+            std::hypot(expected.cameras->sigma, expected.contradiction / kSigmasOf95);
+    if (!expected.ate_bound_m || input.trajectory.empty()) return;
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const types::StampedPose& pose : input.trajectory)
+        centre += pose.T_world_imu.translation() / static_cast<double>(input.trajectory.size());
+    double squares_m2 = 0.0;
+    for (const types::StampedPose& pose : input.trajectory)
+        squares_m2 += (pose.T_world_imu.translation() - centre).squaredNorm();
+    const double spread_m = std::sqrt(squares_m2 / static_cast<double>(input.trajectory.size()));
+    const double way_m = (input.trajectory.back().T_world_imu.translation() -
+                          input.trajectory.front().T_world_imu.translation())
+                             .norm();
+    const auto add = [&](std::optional<double>& value_m, double length_m, double sigmas) {
+        value_m = std::hypot(*value_m, expected.contradiction * length_m / sigmas);
+    };
+    add(expected.ate_bound_m, spread_m, 1.0);
+    add(expected.ate_expected_m, spread_m, kSigmasOf95);
+    add(expected.end_bound_m, way_m, 1.0);
+    add(expected.end_expected_m, way_m, kSigmasOf95);
 }
 
 void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
@@ -152,7 +192,10 @@ void add_surface(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected)
 void find_large_bounds(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     if (!expected.end_bound_m) return;
     const double path_m = input.path_length_m;
-    if (*expected.end_bound_m <= std::max(kLarge_m, kLargeShareOfPath * path_m)) return;
+    const double large_m = std::max(kLarge_m, kLargeShareOfPath * path_m);
+    // A tilt of the first pose turns the whole path; only the rest of the error at the end is
+    // drift.
+    if (std::min(*expected.end_bound_m, kEndOverAte * *expected.ate_bound_m) <= large_m) return;
     expected.findings.push_back({Severity::Warning,
                                  "drift_may_be_large",
                                  "",
@@ -169,6 +212,7 @@ ExpectedAccuracy expected_accuracy(const ExpectedAccuracyInput& input) {
     ExpectedAccuracy expected;
     add_trajectory(input, expected);
     add_scale(input, expected);
+    cover_contradiction(input, expected);
     add_residuals_of(input, expected);
     add_surface(input, expected);
     find_large_bounds(input, expected);
@@ -189,6 +233,7 @@ json to_metrics(const ExpectedAccuracy& expected) {
     if (expected.loop_residual_m)
         result["trajectory"]["loops"] = {{"residual_rms_m", *expected.loop_residual_m},
                                          {"covariance_scale", *expected.covariance_scale}};
+    if (expected.cameras) result["scale"]["cameras"] = to_metrics(*expected.cameras);
     if (expected.accelerometer)
         result["scale"]["accelerometer"] = to_metrics(*expected.accelerometer);
     if (expected.pressure) result["scale"]["pressure"] = to_metrics(*expected.pressure);

@@ -25,6 +25,7 @@ struct ExpectedAccuracyInput {
     const types::OptimiseStatistics& optimise;
     const KnownDistanceErrors* known_distances = nullptr;  // null: the dive has none
     const types::Mesh* mesh = nullptr;                     // null: no surface was requested
+    double imu_clock_offset_s = 0.0;                       // IMU time minus camera time, as applied
 };
 
 // A metric that cannot be given, and the reason.
@@ -43,6 +44,8 @@ struct ExpectedAccuracy {
     std::optional<double> ate_expected_m;   // the same as RMS over many such dives
     std::optional<double> loop_residual_m;  // RMS over the closed loops
     std::optional<double> covariance_scale;  // of standard deviations, from the loops
+    std::optional<ScaleCheck> cameras;       // scale 1; sigma by calibration and path
+    double contradiction = 0.0;  // largest difference of a sensor's scale that contradicts 1
     std::optional<ScaleCheck> accelerometer;
     std::optional<ScaleCheck> pressure;
     std::optional<ScaleCheck> known_distances;

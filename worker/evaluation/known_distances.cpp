@@ -166,12 +166,12 @@ double drift_variance_m2(const End& a, const End& b, const types::CovarianceTrac
            range_m * range_m * max_eigenvalue(at_b.rotation_rad2 - at_a.rotation_rad2);
 }
 
-double sigma_of_length_m(const End& a, const End& b, const types::CovarianceTrack& covariances) {
+double sigma_of_length_m(const End& a, const End& b, const KnownPath& path) {
     const Eigen::Vector3d way = b.p_world - a.p_world;
     const Eigen::Vector3d along = way.stableNormalized();
     return std::sqrt(along.dot((a.scatter_m2 + b.scatter_m2) * along) +
-                     drift_variance_m2(a, b, covariances) +
-                     kCalibrationSigma * kCalibrationSigma * way.squaredNorm());
+                     drift_variance_m2(a, b, path.covariances) +
+                     path.scale_sigma * path.scale_sigma * way.squaredNorm());
 }
 
 void summarise(KnownDistanceErrors& errors) {
@@ -244,8 +244,7 @@ KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistanc
         const auto a = end_of(marks_a, rig, path.trajectory);
         const auto b = end_of(marks_b, rig, path.trajectory);
         if (a && b) measured.measured_m = (a->p_world - b->p_world).norm();
-        if (a && b && !path.covariances.empty())
-            measured.sigma_m = sigma_of_length_m(*a, *b, path.covariances);
+        if (a && b && !path.covariances.empty()) measured.sigma_m = sigma_of_length_m(*a, *b, path);
         errors.distances.push_back(measured);
     }
     summarise(errors);

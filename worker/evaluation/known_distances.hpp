@@ -15,8 +15,9 @@
 
 namespace divemesh::evaluation {
 
-// Relative sigma of all lengths: baseline and focal length of a careful calibration.
-inline constexpr double kCalibrationSigma = 0.001;
+// Relative sigma of all lengths where a path does not state its own: baseline and focal length of a
+// careful calibration.
+inline constexpr double kCalibrationSigma = 0.0025;
 
 // A known distance and its measurement.
 struct MeasuredDistance {
@@ -43,6 +44,7 @@ struct KnownDistanceErrors {
 struct KnownPath {
     const types::Trajectory& trajectory;        // T_world_imu
     const types::CovarianceTrack& covariances;  // of the trajectory; empty: unknown
+    double scale_sigma = kCalibrationSigma;
 };
 
 // Ground truth by which mark_point() finds the keyframes that show a point.
@@ -71,7 +73,7 @@ std::optional<Eigen::Vector3d> triangulate(const std::vector<dive::Mark>& marks,
 // poses and subtracted. Ends given as points are marked by means of `truth`; if it is null they
 // count as not measured. The sigma of a length covers the scatter of the marks, the drift of the
 // path between the times at which its two ends were seen (an end rotates with the path about the
-// place from which it was seen), and kCalibrationSigma of the length.
+// place from which it was seen), and the path's scale_sigma of the length.
 KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistance>& distances,
                                             const MarkingInput* truth,
                                             const types::Rig& rig,

@@ -143,7 +143,7 @@ private:
                  (error > 0.0 ? "long" : "short") + " (standard deviation " +
                  base::fixed(100.0 * sigma, 2) + " %)",
              "calibrate the rig again in water, above all its baseline, or use --set "
-             "correct_scale=true to scale the result by the known distances");
+             "correct_scale=on to scale the result by the known distances");
     }
 
     const dive::MarkerPlan& plan_;

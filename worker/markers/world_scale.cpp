@@ -52,10 +52,14 @@ types::Rig WorldScale::applied(const types::Rig& rig) const {
 }
 
 types::Rig rig_as_scaled(const types::Rig& stated, const nlohmann::json& metrics) {
-    const nlohmann::json::json_pointer factor("/markers/scale_correction/factor");
-    if (!metrics.contains(factor)) return stated;
-    return WorldScale(metrics.at(factor).get<double>(), Eigen::Isometry3d::Identity())
-        .applied(stated);
+    for (const char* place :
+         {"/markers/scale_correction/factor", "/calibration/scale_correction/factor"}) {
+        const nlohmann::json::json_pointer factor(place);
+        if (!metrics.contains(factor)) continue;
+        return WorldScale(metrics.at(factor).get<double>(), Eigen::Isometry3d::Identity())
+            .applied(stated);
+    }
+    return stated;
 }
 
 }  // namespace divemesh::markers

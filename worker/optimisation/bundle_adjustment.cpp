@@ -1,5 +1,6 @@
 #include "worker/optimisation/bundle_adjustment.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <ceres/loss_function.h>
@@ -31,6 +32,19 @@ constexpr double kHuberDepth = 2.0;
 constexpr double kMinWalk = 1e-6;          // rad/s, m/s^2
 constexpr double kWindowTolerance = 1e-4;  // relative change of the cost
 constexpr double kDiveTolerance = 1e-5;
+
+// Returns L with L L^T the covariance of all errors, those of the cameras first, then the clock's.
+Eigen::MatrixXd root_of(const CalibrationUncertainty& calibration, bool timed) {
+    const Eigen::Index num = calibration.shift_px ? calibration.covariance.rows() : 0;
+    Eigen::MatrixXd root = Eigen::MatrixXd::Zero(num + (timed ? 1 : 0), num + (timed ? 1 : 0));
+    if (num > 0) {
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(calibration.covariance);
+        root.topLeftCorner(num, num) =
+            parts.eigenvectors() * parts.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    }
+    if (timed) root(num, num) = calibration.time_offset_sigma_s;
+    return root;
+}
 
 }  // namespace
 
@@ -65,7 +79,11 @@ struct BundleAdjustment::Implementation {
         add(VectorPrior::create({known, sigma}), nullptr, {vector.data()});
     }
 
+    SharedJacobian shared_jacobian(const CalibrationUncertainty& calibration,
+                                   const std::vector<BodyRates>& rates) const;
+
     types::RectifiedRig rig;
+    std::vector<BodyState*> states;
     ceres::EigenQuaternionManifold rotation;
     ceres::SphereManifold<3> direction;
     ceres::HuberLoss orientation_loss{kHuberOrientation};
@@ -74,12 +92,50 @@ struct BundleAdjustment::Implementation {
     std::unique_ptr<ceres::Problem> problem;  // of solve_sparse
 };
 
+SharedJacobian BundleAdjustment::Implementation::shared_jacobian(
+    const CalibrationUncertainty& calibration, const std::vector<BodyRates>& rates) const {
+    SharedJacobian shared;
+    if (calibration.shift_px) {
+        shared.num_columns = static_cast<int>(calibration.covariance.rows());
+        shared.of_observation = [&](std::size_t observation) -> Eigen::Matrix3Xd {
+            const StereoReprojection& seen = graph.observations()[observation].reprojection;
+            return seen.sigma_px.cwiseInverse().asDiagonal() *
+                   calibration.shift_px(seen.measured_px);
+        };
+    }
+    if (calibration.time_offset_sigma_s <= 0.0 || rates.size() != states.size()) return shared;
+    std::vector<int> start;
+    int size = 0;
+    for (const Block& block : graph.blocks()) {
+        start.push_back(block.fixed ? -1 : size);
+        if (!block.fixed) size += block.tangent_size();
+    }
+    shared.by_time = Eigen::VectorXd::Zero(size);
+    const auto moves = [&](double* block, const Eigen::Vector3d& per_second) {
+        if (!graph.contains(block)) return;
+        const int at = start[static_cast<std::size_t>(graph.index_of(block))];
+        if (at >= 0)
+            shared.by_time.segment<3>(at) = per_second;
+        else
+            shared.constants.push_back({block, per_second});
+    };
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        BodyState& state = *states[k];
+        // Ceres' tangent of a quaternion is half the rotation vector.
+        moves(state.q_world_imu.coeffs().data(), 0.5 * rates[k].angular_velocity_world);
+        moves(state.p_world_imu.data(), state.velocity_world);
+        moves(state.velocity_world.data(), rates[k].acceleration_world);
+    }
+    return shared;
+}
+
 BundleAdjustment::BundleAdjustment(const types::RectifiedRig& rig)
     : implementation_(std::make_unique<Implementation>(rig)) {}
 BundleAdjustment::~BundleAdjustment() = default;
 
 void BundleAdjustment::add_state(BodyState& state, bool fixed) {
     auto& own = *implementation_;
+    own.states.push_back(&state);
     own.graph.add_block(own.q(state), 4, &own.rotation);
     own.graph.add_block(state.p_world_imu.data(), 3);
     if (!fixed) return;
@@ -233,41 +289,58 @@ types::SolverOutcome BundleAdjustment::solve_sparse(int max_iterations,
     return outcome_of(summary);
 }
 
-JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& states) {
+JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& states,
+                                              const CalibrationUncertainty& calibration,
+                                              const std::vector<BodyRates>& rates) {
     auto& own = *implementation_;
     std::vector<double*> kept;
     for (const Block& block : own.graph.blocks()) kept.push_back(block.values);
     std::vector<double*> points;
     for (Eigen::Vector3d* landmark : own.graph.landmarks())
         if (own.problem->HasParameterBlock(landmark->data())) points.push_back(landmark->data());
+    const SharedJacobian jacobian = own.shared_jacobian(calibration, rates);
     const ClusteredInformation information =
-        clustered_information(*own.problem, kept, points, kHuberReprojection);
+        clustered_information(*own.problem, kept, points, kHuberReprojection, jacobian);
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(information.H_lower);
     if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() <= 0.0) return {};
     const auto V = information.V_lower.selfadjointView<Eigen::Lower>();
+    const auto start_of = [&](const double* block) {
+        return information.start[static_cast<std::size_t>(own.graph.index_of(block))];
+    };
     const auto influence = [&](const double* block) -> Eigen::MatrixXd {
-        const int start = information.start[static_cast<std::size_t>(own.graph.index_of(block))];
         Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(information.H_lower.rows(), 3);
-        if (start < 0) return unit;
-        unit.middleRows<3>(start).setIdentity();
+        if (start_of(block) < 0) return unit;
+        unit.middleRows<3>(start_of(block)).setIdentity();
         return factor.solve(unit);
+    };
+    // One column per independent error of the calibration.
+    const Eigen::MatrixXd by_calibration =
+        factor.solve(information.B) * root_of(calibration, jacobian.by_time.size() > 0);
+    const auto shared = [&](const double* block) -> Eigen::MatrixXd {
+        if (start_of(block) < 0) return Eigen::MatrixXd::Zero(3, by_calibration.cols());
+        return by_calibration.middleRows<3>(start_of(block));
     };
     JointCovariance result;
     result.positions_m2.setZero(3 * std::ssize(states), 3 * std::ssize(states));
     Eigen::MatrixXf of_positions(information.H_lower.rows(), 3 * std::ssize(states));
+    result.by_calibration_m.resize(3 * std::ssize(states), by_calibration.cols());
     for (Eigen::Index i = 0; i < std::ssize(states); ++i) {
         BodyState& state = *states[static_cast<std::size_t>(i)];
         const Eigen::MatrixXd position = influence(state.p_world_imu.data());
         const Eigen::MatrixXd varied = V * position;
         of_positions.middleCols<3>(3 * i) = position.cast<float>();
+        const Eigen::MatrixXd moved = shared(state.p_world_imu.data());
+        result.by_calibration_m.middleRows<3>(3 * i) = moved;
         const Eigen::MatrixXd with_those_before =
             varied.transpose() * of_positions.leftCols(3 * i + 3).cast<double>();
         result.positions_m2.block(3 * i, 0, 3, 3 * i + 3) = with_those_before;
         result.positions_m2.block(0, 3 * i, 3 * i + 3, 3) = with_those_before.transpose();
         const Eigen::MatrixXd rotation = influence(own.q(state));
+        const Eigen::MatrixXd turned = shared(own.q(state));
         // Ceres' tangent of a quaternion is half the rotation vector.
         result.states.push_back(
-            {position.transpose() * varied, 4.0 * (rotation.transpose() * (V * rotation))});
+            {position.transpose() * varied + moved * moved.transpose(),
+             4.0 * (rotation.transpose() * (V * rotation) + turned * turned.transpose())});
     }
     return result;
 }

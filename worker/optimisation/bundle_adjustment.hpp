@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -33,8 +34,27 @@ struct StateCovariance {
 
 // The covariances of several states.
 struct JointCovariance {
-    std::vector<StateCovariance> states;
-    Eigen::MatrixXd positions_m2;  // joint covariance of all positions, three rows per state
+    std::vector<StateCovariance> states;  // with the errors of the calibration
+    // Of all positions, three rows per state: their joint covariance by what was measured, and what
+    // each independent error of the calibration adds to them, one standard deviation per column.
+    Eigen::MatrixXd positions_m2;
+    Eigen::MatrixXd by_calibration_m;
+};
+
+// What the calibration is not known by. It is not estimated with the states, but its errors are
+// shared by all measurements, so they belong to the covariance (Schmidt's consider parameters).
+struct CalibrationUncertainty {
+    // Returns d(u, v, disparity)/d(error), a column per error of the cameras: what must be added to
+    // a predicted measurement for it to be the measured one. Empty: the calibration is exact.
+    std::function<Eigen::Matrix3Xd(const Eigen::Vector3d& measured_px)> shift_px;
+    Eigen::MatrixXd covariance;        // of these errors
+    double time_offset_sigma_s = 0.0;  // of the clocks of the cameras and of the IMU
+};
+
+// How a state changes with time.
+struct BodyRates {
+    Eigen::Vector3d angular_velocity_world = Eigen::Vector3d::Zero();  // rad/s
+    Eigen::Vector3d acceleration_world = Eigen::Vector3d::Zero();      // m/s^2
 };
 
 // Bundle adjustment: estimates body states and landmarks from what the cameras and the inertial
@@ -100,10 +120,13 @@ public:
     types::SolverOutcome solve_sparse(int max_iterations,
                                       const base::ProgressCallback& progress,
                                       const Progress& at);
-    // Returns the joint covariance of states after solve_sparse, with everything else marginalised
-    // and the cameras' noise scaled to their residuals. `states` is empty if they are not
+    // Returns the joint covariance of states after solve_sparse, with everything else marginalised,
+    // the cameras' noise as in their residuals, and the errors of the calibration. `rates` are
+    // those of the states, in the order in which they were added. `states` is empty if they are not
     // determined.
-    JointCovariance covariances(const std::vector<BodyState*>& states);
+    JointCovariance covariances(const std::vector<BodyState*>& states,
+                                const CalibrationUncertainty& calibration = {},
+                                const std::vector<BodyRates>& rates = {});
 
 private:
     struct Implementation;

@@ -64,6 +64,19 @@ double vertical_scale_sigma(const std::vector<Eigen::Vector3d>& positions,
     return std::sqrt(std::max(0.0, along.dot(covariance_m2 * along))) / squares;
 }
 
+double scale_sigma(const std::vector<Eigen::Vector3d>& positions,
+                   const Eigen::MatrixXd& covariance_m2) {
+    const Eigen::Index num = std::ssize(positions);
+    Eigen::Matrix3Xd from_centre(3, num);
+    for (Eigen::Index i = 0; i < num; ++i)
+        from_centre.col(i) = positions[static_cast<std::size_t>(i)];
+    from_centre.colwise() -= from_centre.rowwise().mean().eval();
+    const double squares = from_centre.squaredNorm();
+    if (squares <= 0.0) return 0.0;
+    const Eigen::Map<const Eigen::VectorXd> along(from_centre.data(), 3 * num);
+    return std::sqrt(std::max(0.0, along.dot(covariance_m2 * along))) / squares;
+}
+
 types::PathUncertainty with_frames_between(types::PathUncertainty keyframes,
                                            const types::CovarianceTrack& of_keyframes,
                                            const types::CovarianceTrack& of_frames) {

@@ -20,6 +20,11 @@ types::PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& posit
 double vertical_scale_sigma(const std::vector<Eigen::Vector3d>& positions,
                             const Eigen::MatrixXd& covariance_m2);
 
+// Returns the standard deviation of the scale factor that maps the true path to the estimated one.
+// With v the positions from their centre: sqrt(v' P v) / v' v. 0 for a single place.
+double scale_sigma(const std::vector<Eigen::Vector3d>& positions,
+                   const Eigen::MatrixXd& covariance_m2);
+
 // Adds the errors of the frames between keyframes; they are independent, so no alignment removes
 // them.
 types::PathUncertainty with_frames_between(types::PathUncertainty keyframes,

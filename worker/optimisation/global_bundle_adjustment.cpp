@@ -3,7 +3,7 @@
 #include <cmath>
 #include <utility>
 
-#include "worker/optimisation/bundle_adjustment.hpp"
+#include "worker/base/rotation_vector.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 #include "worker/optimisation/inertial_factors.hpp"
 #include "worker/types/feature.hpp"
@@ -13,10 +13,8 @@ namespace {
 
 constexpr int kMaxIterations = 15;
 constexpr std::size_t kMaxObservations = 400'000;
-// Scale error of a careful calibration's baseline and focal length. They are not estimated here, so
-// their uncertainty is added (Schmidt's consider parameters).
-constexpr double kScaleSigma = 0.001;
 constexpr std::size_t kMaxCovariances = 64;  // keyframes; covariances change slowly between them
+constexpr std::int64_t kRateInterval_ns = 20'000'000;
 
 Eigen::Vector3d measurement_px(const types::LandmarkObservation& seen) {
     return {seen.u_px, seen.v_px, seen.disparity_px};
@@ -55,9 +53,33 @@ struct Uncertainty {
     types::PathUncertainty path;
 };
 
+// Returns how the states change with time, by the IMU; zero where it does not measure.
+std::vector<BodyRates> rates_of(const imu::InertialPrior& inertial,
+                                const std::vector<types::Keyframe>& keyframes,
+                                const std::vector<BodyState>& states,
+                                const WorldReference& reference) {
+    constexpr double kRateInterval_s = 1e-9 * kRateInterval_ns;
+    std::vector<BodyRates> rates(states.size());
+    for (std::size_t k = 0; k < states.size(); ++k) {
+        const std::int64_t from_ns = keyframes[k].timestamp_ns - kRateInterval_ns / 2;
+        const std::int64_t to_ns = from_ns + kRateInterval_ns;
+        if (const auto rotation = inertial.integral(from_ns, to_ns))
+            rates[k].angular_velocity_world =
+                states[k].q_world_imu *
+                (base::vector_from_rotation(rotation->q_from_to) / kRateInterval_s);
+        if (const auto motion = inertial.motion(from_ns, to_ns))
+            rates[k].acceleration_world =
+                states[k].q_world_imu * (motion->delta_velocity / kRateInterval_s) +
+                imu::kGravity_m_s2 * reference.gravity_direction_world;
+    }
+    return rates;
+}
+
 Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
                               const std::vector<types::Keyframe>& keyframes,
-                              std::vector<BodyState>& states) {
+                              std::vector<BodyState>& states,
+                              const CalibrationUncertainty& calibration,
+                              const std::vector<BodyRates>& rates) {
     const std::size_t stride = 1 + (states.size() - 1) / kMaxCovariances;
     std::vector<std::size_t> chosen;
     for (std::size_t k = 0; k + 1 < states.size(); k += stride) chosen.push_back(k);
@@ -65,30 +87,22 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
     std::vector<BodyState*> of;
     of.reserve(chosen.size());
     for (const std::size_t k : chosen) of.push_back(&states[k]);
-    JointCovariance in_world = bundle_adjustment.covariances(of);
+    const JointCovariance in_world = bundle_adjustment.covariances(of, calibration, rates);
     if (in_world.states.empty()) return {};
     std::vector<Eigen::Vector3d> positions;
-    Eigen::VectorXd by_scale(3 * std::ssize(of));
-    for (const BodyState* state : of) {
-        by_scale.segment<3>(3 * std::ssize(positions)) =
-            kScaleSigma * (state->p_world_imu - states.front().p_world_imu);
-        positions.push_back(state->p_world_imu);
-    }
-    const double vertical = vertical_scale_sigma(positions, in_world.positions_m2);
-    in_world.positions_m2 += by_scale * by_scale.transpose();
+    for (const BodyState* state : of) positions.push_back(state->p_world_imu);
+    const Eigen::MatrixXd whole_m2 =
+        in_world.positions_m2 + in_world.by_calibration_m * in_world.by_calibration_m.transpose();
     const Eigen::Matrix3d R_world_first = states.front().q_world_imu.toRotationMatrix();
     Uncertainty result;
-    for (std::size_t i = 0; i < of.size(); ++i) {
-        const Eigen::Vector3d along = by_scale.segment<3>(3 * static_cast<Eigen::Index>(i));
-        const Eigen::Matrix3d position_m2 =
-            in_world.states[i].position_m2 + along * along.transpose();
+    for (std::size_t i = 0; i < of.size(); ++i)
         result.covariances.push_back(
             {keyframes[chosen[i]].timestamp_ns,
-             R_world_first.transpose() * position_m2 * R_world_first,
+             R_world_first.transpose() * in_world.states[i].position_m2 * R_world_first,
              R_world_first.transpose() * in_world.states[i].rotation_rad2 * R_world_first});
-    }
-    result.path = after_alignment(positions, in_world.positions_m2);
-    result.path.vertical_scale_sigma = vertical;
+    result.path = after_alignment(positions, whole_m2);
+    result.path.vertical_scale_sigma = vertical_scale_sigma(positions, in_world.positions_m2);
+    result.path.scale_sigma = scale_sigma(positions, whole_m2);
     return result;
 }
 
@@ -99,6 +113,7 @@ GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                        std::vector<types::Keyframe>& keyframes,
                                        std::vector<types::Landmark>& landmarks,
                                        const std::vector<PredictedMotion>& predicted,
+                                       const CalibrationUncertainty& calibration,
                                        const base::ProgressCallback& progress,
                                        const Progress& at) {
     std::vector<BodyState> states;
@@ -121,7 +136,11 @@ GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
     WorldReference reference;
     add_inertial_factors(bundle_adjustment, inertial, keyframes, states, reference);
     types::SolverOutcome outcome = bundle_adjustment.solve_sparse(kMaxIterations, progress, at);
-    Uncertainty uncertainty = relative_to_first(bundle_adjustment, keyframes, states);
+    Uncertainty uncertainty = relative_to_first(bundle_adjustment,
+                                                keyframes,
+                                                states,
+                                                calibration,
+                                                rates_of(inertial, keyframes, states, reference));
     const Eigen::Quaterniond q_level_world = gravity_alignment(inertial, reference);
     for (std::size_t k = 0; k < states.size(); ++k)
         keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;

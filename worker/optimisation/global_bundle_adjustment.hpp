@@ -5,6 +5,7 @@
 
 #include "worker/base/observer.hpp"
 #include "worker/imu/inertial_prior.hpp"
+#include "worker/optimisation/bundle_adjustment.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
 #include "worker/types/path_uncertainty.hpp"
@@ -35,12 +36,14 @@ struct PredictedMotion {
 // Adjusts all keyframes and landmarks of a dive together, with the inertial sensors between
 // keyframes and, weakly, the AHRS at them. The first keyframe stays fixed. Landmarks are thinned
 // evenly, so that an hour-long dive can be solved. Predicted motions tie what nothing else ties, so
-// that the covariance grows over them as the motion model's does.
+// that the covariance grows over them as the motion model's does. The calibration is held; what it
+// is not known by is part of the covariance.
 GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                        const imu::InertialPrior& inertial,
                                        std::vector<types::Keyframe>& keyframes,
                                        std::vector<types::Landmark>& landmarks,
                                        const std::vector<PredictedMotion>& predicted,
+                                       const CalibrationUncertainty& calibration,
                                        const base::ProgressCallback& progress,
                                        const Progress& at);
 

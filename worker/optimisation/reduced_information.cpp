@@ -5,6 +5,7 @@
 #include <ceres/crs_matrix.h>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "worker/optimisation/noise_scale.hpp"
 
@@ -96,8 +97,9 @@ void add_landmark(Rows rows, Accumulator& sum) {
 
 // A solved problem, linearised at its solution, without its losses.
 struct Linearised {
-    std::vector<int> start;  // of each kept block; -1: constant
-    int num_kept = 0;        // columns; those of the landmarks come after
+    std::vector<int> start;      // of each kept block; -1: constant
+    int num_kept = 0;            // columns; those of the landmarks come after
+    int first_observed_row = 0;  // all rows from here on are observations
     std::vector<double> residuals;
     ceres::CRSMatrix jacobian;
 
@@ -138,6 +140,9 @@ Linearised linearise(ceres::Problem& problem,
         options.parameter_blocks.end(), landmarks.begin(), landmarks.end());
     problem.GetResidualBlocks(&options.residual_blocks);
     problem.Evaluate(options, nullptr, &result.residuals, nullptr, &result.jacobian);
+    while (result.first_observed_row < result.jacobian.num_rows &&
+           result.landmark_of(result.first_observed_row) < 0)
+        ++result.first_observed_row;
     return result;
 }
 
@@ -175,15 +180,37 @@ struct Score {
     std::vector<int> columns;
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
+    Eigen::MatrixXd B;      // of the shared errors
     double num_free = 0.0;  // number of rows minus the landmark's unknowns
 };
 
+// Returns the rows of the shared errors for observations' rows.
+Eigen::MatrixXd shared_rows(const Linearised& all,
+                            const std::vector<int>& rows,
+                            const SharedJacobian& shared) {
+    Eigen::MatrixXd result(std::ssize(rows), shared.num_columns);
+    if (shared.num_columns == 0) return result;
+    Eigen::Matrix3Xd of_observation;
+    int last = -1;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const int observation = (rows[i] - all.first_observed_row) / kRows;
+        if (observation != last)
+            of_observation = shared.of_observation(static_cast<std::size_t>(observation));
+        last = observation;
+        result.row(static_cast<Eigen::Index>(i)) =
+            of_observation.row((rows[i] - all.first_observed_row) % kRows);
+    }
+    return result;
+}
+
 std::optional<Score> score_of(const Linearised& all,
                               const std::vector<int>& observations,
-                              double huber) {
+                              double huber,
+                              const SharedJacobian& shared) {
     const std::vector<int> good = good_rows(all, observations);
     if (good.size() <= kLandmarkSize) return std::nullopt;
     Rows rows = dense_rows(all.jacobian, good);
+    Eigen::MatrixXd J_shared = shared_rows(all, good, shared);
     Eigen::VectorXd r(std::ssize(good));
     for (std::size_t i = 0; i < good.size(); ++i) {
         const int first =
@@ -192,6 +219,7 @@ std::optional<Score> score_of(const Linearised& all,
         const auto row = static_cast<Eigen::Index>(i);
         r[row] = root * all.residuals[static_cast<std::size_t>(good[i])];
         rows.J.row(row) *= root;
+        J_shared.row(row) *= root;
     }
     const auto num_kept = static_cast<int>(std::ssize(rows.columns)) - kLandmarkSize;
     const auto A = rows.J.rightCols(kLandmarkSize);
@@ -207,7 +235,37 @@ std::optional<Score> score_of(const Linearised& all,
     return Score{rows.columns,
                  rest.transpose() * rest,
                  std::sqrt(rows_per_free) * (rest.transpose() * r),
+                 rest.transpose() * J_shared,
                  num_free};
+}
+
+// Adds J x to `sum`, row by row, for the rows that are not the cameras'.
+void add_product(const ceres::CRSMatrix& J, const Eigen::VectorXd& x, Eigen::VectorXd& sum) {
+    for (Eigen::Index row = 0; row < sum.size(); ++row)
+        for (auto i = static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row)]);
+             i < static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row) + 1]);
+             ++i)
+            sum[row] += J.values[i] * x[J.cols[i]];
+}
+
+// Returns what a shift of the sensors' clock does to the rows that are not the cameras'.
+Eigen::VectorXd rows_by_time(ceres::Problem& problem,
+                             const Linearised& all,
+                             const SharedJacobian& shared) {
+    Eigen::VectorXd result = Eigen::VectorXd::Zero(all.first_observed_row);
+    add_product(all.jacobian, shared.by_time, result);
+    for (const SharedJacobian::Constant& constant : shared.constants) {
+        ceres::Problem::EvaluateOptions options;
+        options.apply_loss_function = false;
+        options.parameter_blocks = {constant.block};
+        problem.GetResidualBlocks(&options.residual_blocks);
+        ceres::CRSMatrix jacobian;
+        problem.SetParameterBlockVariable(constant.block);
+        problem.Evaluate(options, nullptr, nullptr, nullptr, &jacobian);
+        problem.SetParameterBlockConstant(constant.block);
+        add_product(jacobian, constant.by_time, result);
+    }
+    return result;
 }
 
 }  // namespace
@@ -244,28 +302,44 @@ ReducedInformation reduced_information(ceres::Problem& problem,
 ClusteredInformation clustered_information(ceres::Problem& problem,
                                            const std::vector<double*>& kept,
                                            const std::vector<double*>& landmarks,
-                                           double huber) {
+                                           double huber,
+                                           const SharedJacobian& shared) {
     const Linearised all = linearise(problem, kept, landmarks);
     Accumulator cameras(all.num_kept);
     Accumulator scores(all.num_kept);
     Accumulator others(all.num_kept);
+    const bool timed = shared.by_time.size() > 0;
+    Eigen::MatrixXd B = Eigen::MatrixXd::Zero(all.num_kept, shared.num_columns + (timed ? 1 : 0));
     std::vector<bool> seen(static_cast<std::size_t>(all.num_kept), false);
     double num_landmarks = 0.0;
     double num_free = 0.0;
     for_each_landmark(all, others, [&](const std::vector<int>& observations) {
-        const auto score = score_of(all, observations, huber);
+        const auto score = score_of(all, observations, huber, shared);
         if (!score) return;
         add(score->columns, score->H, cameras);
         add(score->columns, score->g * score->g.transpose(), scores);
+        for (std::size_t i = 0; i < score->columns.size(); ++i)
+            B.row(score->columns[i]).head(shared.num_columns) +=
+                score->B.row(static_cast<Eigen::Index>(i));
         for (const int column : score->columns) seen[static_cast<std::size_t>(column)] = true;
         num_free += score->num_free;
         ++num_landmarks;
     });
+    if (timed) {
+        const Eigen::VectorXd rows = rows_by_time(problem, all, shared);
+        for (Eigen::Index row = 0; row < rows.size(); ++row)
+            for (auto i =
+                     static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row)]);
+                 i < static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row) + 1]);
+                 ++i)
+                B(all.jacobian.cols[i], shared.num_columns) += all.jacobian.values[i] * rows[row];
+    }
     // The same correction for what is fitted to all landmarks.
     const auto num_fitted = static_cast<double>(std::count(seen.begin(), seen.end(), true));
     const double few = num_landmarks / std::max(1.0, num_landmarks - 1.0) * num_free /
                        std::max(1.0, num_free - num_fitted);
-    return {cameras.sum() + others.sum(), few * scores.sum() + others.sum(), all.start};
+    return {
+        cameras.sum() + others.sum(), few * scores.sum() + others.sum(), std::move(B), all.start};
 }
 
 }  // namespace divemesh::optimisation

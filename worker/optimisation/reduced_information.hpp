@@ -2,6 +2,8 @@
 
 #include <Eigen/SparseCore>
 #include <ceres/problem.h>
+#include <cstddef>
+#include <functional>
 #include <vector>
 
 namespace divemesh::optimisation {
@@ -29,20 +31,42 @@ ReducedInformation reduced_information(ceres::Problem& problem,
                                        const std::vector<double*>& landmarks,
                                        double huber);
 
+// Errors that all measurements share, such as those of the calibration. They are not estimated; the
+// columns are the derivatives of the residuals with respect to them.
+struct SharedJacobian {
+    // Returns the three rows of the i-th observation, in the order of the problem, whose last
+    // residuals are all observations.
+    std::function<Eigen::Matrix3Xd(std::size_t observation)> of_observation;
+    int num_columns = 0;
+    // What one unit of time adds to the kept blocks where sensors other than the cameras measure
+    // them: the derivative with respect to those sensors' clock. Empty: not wanted.
+    Eigen::VectorXd by_time;  // one column more, the last one
+    // The same for blocks that are held constant.
+    struct Constant {
+        double* block = nullptr;
+        Eigen::VectorXd by_time;
+    };
+    std::vector<Constant> constants;
+};
+
 // The information about all blocks but the landmarks (H) and the variance of the landmarks' summed
 // scores (V). Each landmark's score counts as one sample, so any correlation of its errors between
 // images is included (Huber 1967; Liang and Zeger 1986). The inertial sensors are taken to have
 // their stated noise. The covariance is
 //
 //     P = H^-1 V H^-1
+//
+// and an error e that all measurements share moves the solution by -H^-1 B e.
 struct ClusteredInformation {
     Eigen::SparseMatrix<double> H_lower;  // J^T W J with Huber's weights
     Eigen::SparseMatrix<double> V_lower;
+    Eigen::MatrixXd B;       // J^T W J_shared
     std::vector<int> start;  // of each kept block; -1: held constant
 };
 ClusteredInformation clustered_information(ceres::Problem& problem,
                                            const std::vector<double*>& kept,
                                            const std::vector<double*>& landmarks,
-                                           double huber);
+                                           double huber,
+                                           const SharedJacobian& shared = {});
 
 }  // namespace divemesh::optimisation

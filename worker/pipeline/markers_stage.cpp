@@ -1,12 +1,21 @@
+#include <cmath>
 #include <optional>
+#include <utility>
 
+#include "worker/base/text.hpp"
 #include "worker/camera/rerectifier.hpp"
+#include "worker/evaluation/scale_check.hpp"
+#include "worker/imu/estimate_alignment.hpp"
 #include "worker/markers/measure_bars.hpp"
 #include "worker/markers/survey_markers.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 
 namespace divemesh::pipeline {
 namespace {
+
+constexpr double kMaxScaleSigma = 0.05;
+constexpr double kMaxCorrection = 0.1;              // beyond it a size was stated wrong
+constexpr double kAccelerometerScaleSigma = 0.003;  // of the sensor itself
 
 markers::MarkerWorld world_of(const types::OptimisedTrack& optimised) {
     return {optimised.rig, optimised.keyframes, optimised.trajectory, optimised.covariances};
@@ -17,7 +26,7 @@ std::vector<markers::TagView> find_tags(Reconstruction& made,
     const types::RefinedCalibration& calibration = made.optimised.calibration;
     std::optional<camera::Rerectifier> refined;
     if (calibration.lenses_applied)
-        refined.emplace(made.recording.rig(), made.track.rig, calibration.applied_lenses);
+        refined.emplace(made.recording.rig(), made.track.rig, calibration.lenses);
     return markers::find_tags_in(made.recording,
                                  made.optimised.keyframes,
                                  made.marker_plan->family,
@@ -58,16 +67,81 @@ void correct_scale(const std::vector<markers::TagView>& views, Reconstruction& m
     made.markers->correction = std::move(correction);
 }
 
+// Returns what measures lengths beside the cameras, without the cameras' own error.
+std::vector<evaluation::ScaleSource> scale_sources(const Reconstruction& made) {
+    std::vector<evaluation::ScaleSource> sources;
+    const auto add = [&](const char* name, std::optional<evaluation::ScaleCheck> check) {
+        if (check && check->sigma < kMaxScaleSigma) sources.push_back({name, *check});
+    };
+    if (made.markers && made.markers->scale)
+        add("markers",
+            evaluation::ScaleCheck{
+                made.markers->scale->factor,
+                std::hypot(made.markers->scale->sigma, made.markers->systematic_scale_sigma)});
+    const types::OptimisedTrack& optimised = made.optimised;
+    if (!optimised.breaks_ns.empty()) return sources;
+    if (made.options().use_imu && !made.track.left_out.imu && !made.track.left_out.accelerometer) {
+        auto check = evaluation::scale_by_accelerometer(
+            imu::aligned(made.recording.imu(),
+                         {optimised.calibration.applied_alignment().time_offset_s}),
+            optimised.trajectory);
+        if (check) check->sigma = std::hypot(check->sigma, kAccelerometerScaleSigma);
+        add("accelerometer", check);
+    }
+    if (made.options().use_pressure)
+        add("pressure",
+            evaluation::scale_by_pressure(made.recording.pressure(),
+                                          optimised.trajectory,
+                                          optimised.statistics.path.vertical_scale_sigma));
+    return sources;
+}
+
+Finding corrected_finding(const evaluation::CombinedScale& scale) {
+    const auto percent = [](double share) { return base::fixed(100.0 * share, 2) + " %"; };
+    std::string names;
+    for (const evaluation::ScaleSource& source : scale.sources)
+        names += (names.empty() ? "" : ", ") + source.name + " " +
+                 percent(source.check.scale - 1.0) + " +- " + percent(source.check.sigma);
+    return {
+        Severity::Warning,
+        "scale_corrected",
+        "",
+        "what measures lengths contradicts the cameras' calibration (" + names +
+            " against the cameras), so the whole result was scaled by " +
+            base::fixed(scale.factor, 4) + " +- " + base::fixed(scale.sigma, 4),
+        "calibrate the rig again in water, above all its baseline; correct_scale=off leaves the "
+        "scale as calibrated"};
+}
+
+// Scales the result where all that measures lengths contradicts the cameras.
+void correct_contradicted_scale(const std::vector<markers::TagView>& views, Reconstruction& made) {
+    const double cameras_sigma = made.optimised.statistics.path.scale_sigma;
+    auto sources = scale_sources(made);
+    if (cameras_sigma <= 0.0 || sources.empty()) return;
+    const auto scale = evaluation::combined_scale(std::move(sources), cameras_sigma);
+    if (!scale.contradicted || std::abs(scale.factor - 1.0) > kMaxCorrection) return;
+    made.scale_correction = scale;
+    scale_world(scale.factor, made);
+    made.optimised.statistics.path.scale_sigma = scale.sigma;
+    made.optimised.findings.push_back(corrected_finding(scale));
+    if (made.markers)
+        made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made.optimised));
+}
+
 }  // namespace
 
 bool markers_wanted(const Reconstruction& made) {
-    return made.marker_plan.has_value() && !made.has_failed();
+    return !made.has_failed() && (made.marker_plan || made.options().correct_scale == "auto");
 }
 
 void run_markers(Reconstruction& made, const base::ProgressCallback& progress) {
-    const auto views = find_tags(made, progress);
-    made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made.optimised));
-    if (made.options().correct_scale) correct_scale(views, made);
+    std::vector<markers::TagView> views;
+    if (made.marker_plan) {
+        views = find_tags(made, progress);
+        made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made.optimised));
+    }
+    if (made.options().correct_scale == "on") correct_scale(views, made);
+    if (made.options().correct_scale == "auto") correct_contradicted_scale(views, made);
 }
 
 }  // namespace divemesh::pipeline

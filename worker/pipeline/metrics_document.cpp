@@ -171,6 +171,8 @@ json calibration(const MetricsInput& input) {
         result["gravity"] = {{"magnitude_m_s2", input.gravity->magnitude_m_s2},
                              {"tilt_deg", input.gravity->tilt_deg}};
     if (input.refined.is_known()) result["refined"] = refined(input);
+    if (input.scale_correction)
+        result["scale_correction"] = evaluation::to_metrics(*input.scale_correction);
     return result;
 }
 

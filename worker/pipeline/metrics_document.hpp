@@ -8,6 +8,7 @@
 
 #include "schemas/finding.hpp"
 #include "schemas/reconstruction_options.hpp"
+#include "worker/evaluation/combined_scale.hpp"
 #include "worker/evaluation/evaluation.hpp"
 #include "worker/evaluation/expected_accuracy.hpp"
 #include "worker/evaluation/imu_check.hpp"
@@ -62,6 +63,7 @@ struct MetricsInput {
     std::vector<evaluation::TrackingSegment> segments;
     std::optional<MeshMetrics> mesh;                // nullopt: no surface was requested
     std::optional<markers::MarkerMetrics> markers;  // nullopt: markers were not searched for
+    std::optional<evaluation::CombinedScale> scale_correction;  // nullopt: not applied by itself
     std::vector<StageTime> stages;
     evaluation::Evaluation evaluation;
     std::optional<evaluation::ExpectedAccuracy> expected;

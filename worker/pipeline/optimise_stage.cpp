@@ -30,8 +30,8 @@ bool load_optimise(Reconstruction& made, const std::string& key) {
 }
 
 void run_optimise(Reconstruction& made, const base::ProgressCallback& progress) {
-    made.optimised =
-        optimise(made.track, made.recording, made.options(), made.keyframe_store, progress);
+    made.optimised = optimise(
+        made.track, made.recording, made.options(), made.keyframe_store, made.alignment, progress);
 }
 
 void save_optimise(Reconstruction& made, const std::string& key) {
@@ -44,8 +44,7 @@ void finish_optimise(Reconstruction& made) {
         made.keyframe_store =
             made.keyframe_store.rerectified(std::make_shared<camera::KeyframeRerectifier>(
                 made.track.rig,
-                camera::Rerectifier(
-                    made.recording.rig(), made.track.rig, calibration.applied_lenses)));
+                camera::Rerectifier(made.recording.rig(), made.track.rig, calibration.lenses)));
     write_trajectories(made);
     // Frees memory that the later stages of an hour-long dive need.
     made.num_landmarks = std::ssize(made.track.landmarks);

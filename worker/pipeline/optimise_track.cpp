@@ -6,6 +6,7 @@
 
 #include "worker/base/free_memory.hpp"
 #include "worker/calibration/calibration_refinement.hpp"
+#include "worker/calibration/calibration_uncertainty.hpp"
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/loops/close_loops.hpp"
 #include "worker/loops/drift_model.hpp"
@@ -31,11 +32,13 @@ public:
                    const types::Recording& recording,
                    const ReconstructionOptions& options,
                    const keyframes::KeyframeStore& store,
+                   const types::RigAlignment& alignment,
                    const base::ProgressCallback& progress)
         : track_(track),
           recording_(recording),
           options_(options),
           store_(store),
+          alignment_(alignment),
           progress_(progress),
           inertial_(recording, options, track.left_out),
           drift_(track.keyframes, track.landmarks, &inertial_) {}
@@ -71,10 +74,12 @@ private:
     const types::Recording& recording_;
     const ReconstructionOptions& options_;
     const keyframes::KeyframeStore& store_;
+    const types::RigAlignment& alignment_;
     const base::ProgressCallback& progress_;
     imu::InertialPrior inertial_;
     loops::DriftModel drift_;
     std::vector<loops::Loop> loops_;  // the accepted ones
+    calibration::CalibrationRefinement refinement_;
     types::OptimisedTrack result_;
 };
 
@@ -123,10 +128,10 @@ void TrackOptimiser::drop_loops(const std::string& why) {
 }
 
 void TrackOptimiser::refine_calibration(const types::Track& closed) {
-    const calibration::CalibrationRefinement refinement = calibration::refine_calibration(
+    refinement_ = calibration::refine_calibration(
         closed, recording_, options_, inertial_, progress_, at(0.4));
-    result_.calibration = refinement.calibration;
-    for (const types::SolverOutcome& outcome : refinement.solves) {
+    result_.calibration = refinement_.calibration;
+    for (const types::SolverOutcome& outcome : refinement_.solves) {
         result_.statistics.calibration.add(outcome);
         add(solver_findings(
             outcome, "calibration_not_converged", "the refinement of the calibration"));
@@ -153,14 +158,16 @@ bool TrackOptimiser::adjust(types::Track closed) {
     inertial_.align({result_.calibration.applied_alignment().time_offset_s});
     calibration::apply_calibration(recording_.rig(), result_.calibration, closed);
     base::return_freed_memory();
-    const optimisation::GlobalBundleAdjustment adjusted =
-        optimisation::adjust_globally(closed.rig,
-                                      inertial_,
-                                      closed.keyframes,
-                                      closed.landmarks,
-                                      predicted_motions(),
-                                      progress_,
-                                      at(0.6));
+    refinement_.calibration = result_.calibration;
+    const optimisation::GlobalBundleAdjustment adjusted = optimisation::adjust_globally(
+        closed.rig,
+        inertial_,
+        closed.keyframes,
+        closed.landmarks,
+        predicted_motions(),
+        calibration::calibration_uncertainty(recording_.rig(), closed.rig, refinement_, alignment_),
+        progress_,
+        at(0.6));
     result_.statistics.bundle_adjustment.add(adjusted.outcome);
     types::TrackCheck& check = result_.statistics.check;
     check.before = agreement(track_, track_, adjusted.landmark_stride, drift_);
@@ -239,8 +246,9 @@ types::OptimisedTrack optimise_track(const types::Track& track,
                                      const types::Recording& recording,
                                      const ReconstructionOptions& options,
                                      const keyframes::KeyframeStore& store,
+                                     const types::RigAlignment& alignment,
                                      const base::ProgressCallback& progress) {
-    return TrackOptimiser(track, recording, options, store, progress).run();
+    return TrackOptimiser(track, recording, options, store, alignment, progress).run();
 }
 
 }  // namespace divemesh::pipeline

@@ -5,6 +5,7 @@
 #include "worker/keyframes/keyframe_store.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/rig_alignment.hpp"
 #include "worker/types/track.hpp"
 
 namespace divemesh::pipeline {
@@ -12,11 +13,12 @@ namespace divemesh::pipeline {
 // Optimises the whole dive: closes loops, refines the calibration, and adjusts keyframes and
 // landmarks together. After each of them the track is compared with the one before. A result that
 // agrees less with the measurements is not taken, and a finding says so. The track must have at
-// least two keyframes.
+// least two keyframes. `alignment`: of the cameras, for the bounds.
 types::OptimisedTrack optimise_track(const types::Track& track,
                                      const types::Recording& recording,
                                      const ReconstructionOptions& options,
                                      const keyframes::KeyframeStore& store,
+                                     const types::RigAlignment& alignment,
                                      const base::ProgressCallback& progress);
 
 }  // namespace divemesh::pipeline

@@ -45,13 +45,15 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const types::Recording& recording,
                                const ReconstructionOptions& options,
                                const keyframes::KeyframeStore& store,
+                               const types::RigAlignment& alignment,
                                const base::ProgressCallback& progress) {
     const auto untracked = too_little_tracked(track);
     const bool whole_dive = !untracked && options.adjust_whole_dive &&
                             options.estimator != "pairwise" &&
                             track.keyframes.size() >= 2;  // the paper ends before this
     types::OptimisedTrack result =
-        whole_dive ? optimise_track(track, recording, options, store, progress) : as_tracked(track);
+        whole_dive ? optimise_track(track, recording, options, store, alignment, progress)
+                   : as_tracked(track);
     std::vector<Finding> findings = track.findings;
     const auto lost = tracking_findings(track);
     findings.insert(findings.end(), lost.begin(), lost.end());

@@ -14,6 +14,7 @@
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rectified_rig.hpp"
+#include "worker/types/rig_alignment.hpp"
 #include "worker/types/track.hpp"
 
 // The method: functions that together are the paper's eight steps. Each is a function from values
@@ -35,6 +36,7 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const types::Recording& recording,
                                const ReconstructionOptions& options,
                                const keyframes::KeyframeStore& store,
+                               const types::RigAlignment& alignment,
                                const base::ProgressCallback& progress);
 
 // The result of step 7: the volume from which the surface is extracted, and the points of the

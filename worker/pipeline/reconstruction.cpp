@@ -15,7 +15,8 @@ std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
             throw Error(ErrorCode::BadData,
                         (finding.where.empty() ? "" : finding.where + ": ") + finding.message +
                             (finding.remedy.empty() ? "" : " " + finding.remedy));
-    if (request.options.correct_scale && !dive::marker_plan_of(dive->markers(), request.options))
+    if (request.options.correct_scale == "on" &&
+        !dive::marker_plan_of(dive->markers(), request.options))
         throw Error(ErrorCode::InvalidArgument,
                     "option correct_scale needs known distances, and the dive has no markers.json: "
                     "add one, or give marker_family and marker_size_m");

@@ -10,6 +10,7 @@
 #include "worker/base/background_task.hpp"
 #include "worker/dive/dive.hpp"
 #include "worker/dive/marker_plan.hpp"
+#include "worker/evaluation/combined_scale.hpp"
 #include "worker/evaluation/evaluation.hpp"
 #include "worker/keyframes/keyframe_store.hpp"
 #include "worker/markers/locate_markers.hpp"
@@ -63,6 +64,8 @@ struct Reconstruction {
     // markers
     std::optional<markers::MarkerMetrics> markers;
     std::optional<markers::WorldScale> scale;  // as applied
+    // Why it was applied; nullopt: it was not, or it was asked for.
+    std::optional<evaluation::CombinedScale> scale_correction;
 
     // fuse
     std::unique_ptr<fusion::Volume> volume;  // until the mesh is extracted

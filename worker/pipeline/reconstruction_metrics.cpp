@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "worker/calibration/calibration_refinement.hpp"
 #include "worker/evaluation/surface_samples.hpp"
 #include "worker/pipeline/align_cameras.hpp"
 #include "worker/pipeline/measured_poses.hpp"
@@ -30,7 +31,8 @@ evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments
          .track = made.track.statistics,
          .optimise = made.optimised.statistics,
          .known_distances = known ? &*known : nullptr,
-         .mesh = made.request.options.surface ? &made.surface.mesh : nullptr});
+         .mesh = made.request.options.surface ? &made.surface.mesh : nullptr,
+         .imu_clock_offset_s = made.optimised.calibration.applied_alignment().time_offset_s});
 }
 
 std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
@@ -69,8 +71,11 @@ std::vector<Finding> findings(const Reconstruction& made,
 }  // namespace
 
 evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
+    const types::Rig refined =
+        calibration::refined_rig(made.recording.rig(), made.optimised.calibration);
+    const double scale_sigma = made.optimised.statistics.path.scale_sigma;
     return evaluation::evaluate_reconstruction(
-        {.rig = made.scale ? made.scale->applied(made.recording.rig()) : made.recording.rig(),
+        {.rig = made.scale ? made.scale->applied(refined) : refined,
          .trajectory = made.optimised.trajectory,
          .causal = measured_causal(made.track),
          .covariances = made.optimised.covariances,
@@ -80,7 +85,8 @@ evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
          .ground_truth = made.dive.ground_truth(),
          .known_distances = made.dive.known_distances(),
          .reference = made.dive.read_reference_mesh(),
-         .num_threads = made.request.options.num_threads});
+         .num_threads = made.request.options.num_threads,
+         .scale_sigma = scale_sigma > 0.0 ? scale_sigma : evaluation::kCalibrationSigma});
 }
 
 nlohmann::json metrics_of(const Reconstruction& made) {
@@ -114,6 +120,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .segments = segments,
          .mesh = mesh_metrics(made),
          .markers = made.markers,
+         .scale_correction = made.scale_correction,
          .stages = made.stages,
          .evaluation = made.evaluation,
          .expected = accuracy,

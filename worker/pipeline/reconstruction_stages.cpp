@@ -5,7 +5,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-bool corrects_scale(const ReconstructionOptions& options) { return options.correct_scale; }
+bool corrects_scale(const ReconstructionOptions& options) { return options.correct_scale != "off"; }
 
 }  // namespace
 

@@ -117,7 +117,6 @@ void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {
     file.raw(calibration.rotation_sigma_rad);
     for (std::size_t side = 0; side < 2; ++side) {
         file.raw(calibration.lenses[side].values);
-        file.raw(calibration.applied_lenses[side].values);
         file.raw(calibration.lens_sigmas[side]);
     }
     file.plain(calibration.lens_shift_px);

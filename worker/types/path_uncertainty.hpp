@@ -13,7 +13,8 @@ namespace divemesh::types {
 struct PathUncertainty {
     double mean_square_m2 = 0.0;        // E; 0: unknown
     double degrees_of_freedom = 0.0;    // h
-    double vertical_scale_sigma = 0.0;  // of the vertical scale; 0: unknown
+    double vertical_scale_sigma = 0.0;  // of the vertical scale, calibration exact; 0: unknown
+    double scale_sigma = 0.0;           // of the scale of the whole path; 0: unknown
 
     bool is_known() const { return degrees_of_freedom > 0.0; }
 };

@@ -20,10 +20,7 @@ struct RefinedCalibration {
     std::array<LensChange, 2> lenses;
     std::array<LensChange::Vector, 2> lens_sigmas = {LensChange::Vector::Zero(),
                                                      LensChange::Vector::Zero()};
-    // The applied change: k1 and k2 alone, the rest as calibrated. Drifting features look like
-    // another focal length, but not like another distortion.
-    std::array<LensChange, 2> applied_lenses;
-    double lens_shift_px = 0.0;  // RMS over the image of the shift by applied_lenses
+    double lens_shift_px = 0.0;  // RMS over the image of the shift by the lenses
     bool lenses_applied = false;
 
     ImuAlignment applied_alignment() const {

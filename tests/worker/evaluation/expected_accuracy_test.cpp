@@ -20,14 +20,16 @@ struct Known {
         optimise.path = {1e-4, 3.0};
         optimise.reprojection_rms_px = 0.3;
     }
-    ExpectedAccuracy expected(std::size_t num_segments = 1) const {
+    ExpectedAccuracy expected(std::size_t num_segments = 1,
+                              const KnownDistanceErrors* known_distances = nullptr) const {
         return expected_accuracy({.recording = recording,
                                   .trajectory = trajectory,
                                   .num_segments = num_segments,
                                   .path_length_m = 19.0,
                                   .covariances = covariances,
                                   .track = track,
-                                  .optimise = optimise});
+                                  .optimise = optimise,
+                                  .known_distances = known_distances});
     }
 
     synthetic::SensorRecording recording;
@@ -61,6 +63,23 @@ TEST(ExpectedAccuracyTest, WhatCannotBeSaidIsLeftOutWithItsReasonAndNeverZero) {
     for (const char* metric :
          {"trajectory.ate", "scale.accelerometer", "scale.pressure", "surface"})
         EXPECT_TRUE(left_out(known.expected(), metric)) << metric;
+}
+
+TEST(ExpectedAccuracyTest, BoundsCoverASensorThatContradictsTheCameras) {
+    Known known;
+    known.optimise.path.scale_sigma = 0.002;
+    EXPECT_NEAR(known.expected().cameras.value().sigma, 0.002, 1e-12);
+    const double before_m = known.expected().ate_bound_m.value();
+    KnownDistanceErrors bars;
+    for (int i = 0; i < 4; ++i) bars.distances.push_back({"bar", 1.0, 1.1, {}, 4, 4});
+    bars.num_measured = 4;
+    bars.scale_error = 0.1;
+    const ExpectedAccuracy contradicted = known.expected(1, &bars);
+    const double off = 1.0 - 1.0 / 1.1;
+    EXPECT_NEAR(contradicted.contradiction, off, 1e-9);
+    EXPECT_NEAR(contradicted.cameras.value().sigma, std::hypot(0.002, off / 1.96), 1e-9);
+    const double spread_m = std::sqrt((20.0 * 20.0 - 1.0) / 12.0);
+    EXPECT_NEAR(contradicted.ate_bound_m.value(), std::hypot(before_m, off * spread_m), 1e-9);
 }
 
 TEST(ExpectedAccuracyTest, OfPiecesThatDoNotHangTogetherNoDriftIsSaid) {

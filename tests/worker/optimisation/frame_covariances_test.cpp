@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <map>
 #include <random>
 
@@ -19,13 +20,33 @@ constexpr int kStep = 5;  // frames of 0.1 s between keyframes
 constexpr double kDuration_s = 0.1 * kStep * kNumKeyframes;
 constexpr std::int64_t kEveryNthPoint = 5;
 
-// The path of stereo_world.hpp, with errors of features, gyroscope, accelerometer and baseline as
-// large as the bundle adjustment assumes; no images.
+constexpr double kBaselineSigma = 0.001;    // relative
+constexpr double kDisparityBias_px = 0.03;  // standard deviation
+constexpr double kClockSigma_s = 1e-3;
+constexpr double kMargin_s = 0.1;
+
+// Returns what errors of the baseline and of all disparities do to a measurement.
+Eigen::Matrix3Xd shift_of(const Eigen::Vector3d& measured_px) {
+    Eigen::Matrix3Xd shift = Eigen::Matrix3Xd::Zero(3, 2);
+    shift.row(2) << measured_px.z(), 1.0;
+    return shift;
+}
+
+CalibrationUncertainty calibration() {
+    return {shift_of,
+            Eigen::Vector2d(kBaselineSigma * kBaselineSigma, kDisparityBias_px * kDisparityBias_px)
+                .asDiagonal(),
+            kClockSigma_s};
+}
+
+// The path of stereo_world.hpp, with errors of features, gyroscope, accelerometer, cameras and
+// clocks as large as the bundle adjustment assumes; no images.
 class NoisyDive {
 public:
     NoisyDive() {
         recording_.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
-        exact_ = synthetic::imu_along(synthetic::T_world_imu_at, 0.0, kDuration_s, {});
+        exact_ = synthetic::imu_along(
+            synthetic::T_world_imu_at, -kMargin_s, kDuration_s + kMargin_s, {});
     }
 
     // Returns the squared normalised error of the last position relative to the first pose.
@@ -40,12 +61,16 @@ public:
         const double root_rate = std::sqrt(200.0);
         const Eigen::Vector3d gyroscope_bias = 0.005 * noise();
         const Eigen::Vector3d accelerometer_bias = 0.05 * noise();
+        const auto late_ns = std::llround(1e9 * kClockSigma_s * normal(random));
         for (types::ImuSample& sample : recording_.its_imu) {
+            sample.timestamp_ns += late_ns;
             sample.angular_velocity_imu +=
                 gyroscope_bias + sigma.gyroscope_noise_density * root_rate * noise();
             sample.acceleration_imu +=
                 accelerometer_bias + sigma.accelerometer_noise_density * root_rate * noise();
         }
+        const Eigen::Vector2d miscalibrated(kBaselineSigma * normal(random),
+                                            kDisparityBias_px * normal(random));
         synthetic::World world(0.03 * kStep * kNumKeyframes, 0.0, seed);
         std::vector<types::Keyframe> keyframes;
         std::map<std::int64_t, types::Landmark> seen;
@@ -56,7 +81,9 @@ public:
             if (k > 0) keyframes.back().T_world_cam.translation() += 0.005 * noise();
             for (types::Feature feature : world.see(T_world_cam, frame, 0.0)) {
                 if (feature.id % kEveryNthPoint != 0) continue;
-                const Eigen::Vector3d error = types::kFeatureSigma_px.cwiseProduct(noise());
+                const Eigen::Vector3d error =
+                    types::kFeatureSigma_px.cwiseProduct(noise()) +
+                    shift_of({0.0, 0.0, feature.disparity_px}) * miscalibrated;
                 feature.pixel += error.head<2>();
                 feature.disparity_px += error.z();
                 const Eigen::Vector3d p =
@@ -72,13 +99,13 @@ public:
         std::vector<types::Landmark> landmarks;
         for (auto& [id, landmark] : seen)
             if (landmark.observations.size() > 1) landmarks.push_back(std::move(landmark));
-        types::RectifiedRig rig = synthetic::rig();
-        rig.baseline_m *= 1.0 + 0.001 * normal(random);
+        const types::RectifiedRig rig = synthetic::rig();
         const GlobalBundleAdjustment adjusted = adjust_globally(rig,
                                                                 imu::InertialPrior(recording_, {}),
                                                                 keyframes,
                                                                 landmarks,
                                                                 {},
+                                                                calibration(),
                                                                 base::ignore_progress,
                                                                 {});
         return normalised(rig, keyframes, adjusted.covariances);

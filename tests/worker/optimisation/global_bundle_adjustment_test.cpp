@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <utility>
 
 #include "tests/synthetic/sensor_recording.hpp"
 #include "tests/synthetic/tracked_dive.hpp"
@@ -37,6 +38,7 @@ protected:
                                               track.keyframes,
                                               track.landmarks,
                                               predicted,
+                                              {},
                                               base::ignore_progress,
                                               {});
         return std::sqrt(adjusted.covariances.at(keyframe).position_m2.trace());
@@ -54,6 +56,42 @@ TEST_F(LostInBetweenTest, TheCovarianceGrowsByTheMotionModel) {
     EXPECT_NEAR(sigma_m(predicted, kBreak), std::sqrt(3.0) * kSigma_m, 0.05);
     EXPECT_GT(sigma_m(predicted, kNumKeyframes - 1), sigma_m(predicted, kBreak));
     EXPECT_LT(unbroken_m, 0.05);
+}
+
+// An error of the baseline scales the whole dive about its first camera.
+TEST(CalibrationUncertaintyTest, TheBaselineIsTheScaleOfThePath) {
+    constexpr double kSigma = 0.01;
+    const synthetic::SensorRecording recording;
+    const auto adjusted = [&](const CalibrationUncertainty& calibration) {
+        types::Track track = synthetic::tracked_dive(kNumKeyframes);
+        track.rig.T_imu_cam.translation().setZero();
+        return std::pair(adjust_globally(track.rig,
+                                         imu::InertialPrior(recording, {}),
+                                         track.keyframes,
+                                         track.landmarks,
+                                         {},
+                                         calibration,
+                                         base::ignore_progress,
+                                         {}),
+                         track.keyframes);
+    };
+    const auto by_baseline = [](const Eigen::Vector3d& measured_px) -> Eigen::Matrix3Xd {
+        return Eigen::Vector3d(0.0, 0.0, measured_px.z());
+    };
+    const auto [exact, keyframes] = adjusted({});
+    const auto [uncertain, same] =
+        adjusted({by_baseline, Eigen::MatrixXd::Constant(1, 1, kSigma * kSigma), 0.0});
+
+    const double length_m =
+        (keyframes.back().T_world_cam.translation() - keyframes.front().T_world_cam.translation())
+            .norm();
+    const Eigen::Matrix3d added_m2 =
+        uncertain.covariances.back().position_m2 - exact.covariances.back().position_m2;
+    EXPECT_NEAR(std::sqrt(added_m2.trace()), kSigma * length_m, 0.05 * kSigma * length_m);
+    EXPECT_NEAR(
+        std::sqrt(std::pow(uncertain.path.scale_sigma, 2) - std::pow(exact.path.scale_sigma, 2)),
+        kSigma,
+        0.05 * kSigma);
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ protected:
                               recording_,
                               options_,
                               keyframes::KeyframeStore(folder_.path()),
+                              {},
                               base::ignore_progress);
     }
     static Eigen::Isometry3d whole_way(const types::Trajectory& trajectory) {

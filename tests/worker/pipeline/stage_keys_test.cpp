@@ -81,10 +81,10 @@ TEST(StageKeysTest, EveryOtherOptionChangesTheLastKey) {
 }
 
 TEST(StageKeysTest, MarkersChangeTheMapWhereItIsScaledByThem) {
-    const StageKeys plain = keys_with(nlohmann::json::object());
-    const StageKeys scaled = keys_with({{"correct_scale", true}});
-    const nlohmann::json family = {{"marker_family", "tag25h9"}};
-    const nlohmann::json scaled_by_family = {{"correct_scale", true}, {"marker_family", "tag25h9"}};
+    const StageKeys plain = keys_with({{"correct_scale", "off"}});
+    const StageKeys scaled = keys_with({{"correct_scale", "on"}});
+    const nlohmann::json family = {{"correct_scale", "off"}, {"marker_family", "tag25h9"}};
+    const nlohmann::json scaled_by_family = {{"correct_scale", "on"}, {"marker_family", "tag25h9"}};
 
     EXPECT_EQ(keys_with(family).at("fuse"), plain.at("fuse"));
     EXPECT_EQ(keys_with(family).at("texture"), plain.at("texture"));
@@ -128,7 +128,7 @@ TEST(StageKeysTest, EveryOptionIsFirstReadByTheStageThatNamesIt) {
         {"seed", {2, "track"}},
         {"adjust_whole_dive", {false, "optimise"}},
         {"refine_lenses", {false, "optimise"}},
-        {"correct_scale", {true, "markers"}},
+        {"correct_scale", {"on", "markers"}},
         {"fusion", {"octree", "fuse"}},
         {"voxel_m", {0.05, "fuse"}},
         {"max_depth_m", {3.0, "fuse"}},

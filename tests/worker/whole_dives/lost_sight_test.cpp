@@ -50,9 +50,10 @@ protected:
         all["surface"] = false;
         const ReconstructionOptions options = make_options("standard", all);
         const keyframes::KeyframeStore store(*folder_ / "keyframes");
-        const types::Track track = pipeline::track(blanked, options, store, base::ignore_progress);
+        const types::Track track =
+            pipeline::track(blanked, options, store, {}, base::ignore_progress);
         num_tracked_ = track.statistics.num_frames_tracked;
-        return pipeline::optimise(track, blanked, options, store, base::ignore_progress);
+        return pipeline::optimise(track, blanked, options, store, {}, base::ignore_progress);
     }
     std::vector<evaluation::TrackingSegment> segments(const types::OptimisedTrack& track) const {
         return evaluation::segments_of(track.trajectory, track.keyframes, track.breaks_ns);

@@ -66,9 +66,10 @@ protected:
         });
         const keyframes::KeyframeStore store(*folder_ / "keyframes");
         const auto options = make_options("standard", {{"surface", false}, {"num_threads", 1}});
-        const types::Track track = pipeline::track(altered, options, store, base::ignore_progress);
+        const types::Track track =
+            pipeline::track(altered, options, store, {}, base::ignore_progress);
         const types::OptimisedTrack path =
-            pipeline::optimise(track, altered, options, store, base::ignore_progress);
+            pipeline::optimise(track, altered, options, store, {}, base::ignore_progress);
         return {track.statistics,
                 evaluation::trajectory_error(path.trajectory, dive_->ground_truth()).ate_rmse_m};
     }

@@ -61,7 +61,7 @@ protected:
 };
 
 TEST_F(MarkedDiveTest, AWrongBaselineIsToldAndNothingIsScaledUnasked) {
-    const auto metrics = reconstruct("as_stated", {{"surface", false}});
+    const auto metrics = reconstruct("as_stated", {{"surface", false}, {"correct_scale", "off"}});
 
     const auto& scale = metrics["markers"]["scale"];
     EXPECT_NEAR(scale["factor"].get<double>(), 1.0 / kStatedTooLong, 0.003);
@@ -69,6 +69,19 @@ TEST_F(MarkedDiveTest, AWrongBaselineIsToldAndNothingIsScaledUnasked) {
     EXPECT_TRUE(std::any_of(metrics["findings"].begin(),
                             metrics["findings"].end(),
                             [](const auto& finding) { return finding["code"] == "scale_off"; }));
+}
+
+TEST_F(MarkedDiveTest, AWrongBaselineIsCorrectedWhereTheMarkersContradictIt) {
+    const auto metrics = reconstruct("auto", {{"surface", false}});
+
+    const auto& correction = metrics["calibration"]["scale_correction"];
+    EXPECT_NEAR(correction["factor"].get<double>(), 1.0 / kStatedTooLong, 0.003);
+    EXPECT_TRUE(correction["sources"].contains("markers"));
+    EXPECT_NEAR(metrics["trajectory"]["final"]["sim3_scale"].get<double>(), 1.0, 0.003);
+    EXPECT_TRUE(std::any_of(
+        metrics["findings"].begin(), metrics["findings"].end(), [](const auto& finding) {
+            return finding["code"] == "scale_corrected";
+        }));
 }
 
 TEST_F(MarkedDiveTest, CorrectedLengthsAreRightInEverythingThatIsGivenOut) {
@@ -140,8 +153,9 @@ TEST_F(MarkedDiveTest, ADiveInPiecesIsScaledByOneFactorInEachOfThem) {
     }
     nlohmann::json options = {
         {"surface", false}, {"use_imu", false}, {"use_ahrs", false}, {"close_loops", false}};
+    options["correct_scale"] = "off";
     const auto stated = reconstruct("pieces_as_stated", options);
-    options["correct_scale"] = true;
+    options["correct_scale"] = "on";
     const auto corrected = reconstruct("pieces_corrected", options);
     fs::remove_all(dive);
     fs::rename(*folder_ / "clear", dive);

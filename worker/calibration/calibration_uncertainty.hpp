@@ -1,0 +1,21 @@
+#pragma once
+
+#include "worker/calibration/calibration_refinement.hpp"
+#include "worker/optimisation/bundle_adjustment.hpp"
+#include "worker/types/rectified_rig.hpp"
+#include "worker/types/rig.hpp"
+#include "worker/types/rig_alignment.hpp"
+
+namespace divemesh::calibration {
+
+// Returns what the calibration is not known by once `refined.calibration` is applied: both lenses,
+// the rotation of the right camera, the length of the baseline, mounting and clock of the IMU.
+// Where the dive told a parameter it has the uncertainty of that estimate, and what was estimated
+// but not applied is part of it; all else has that of a careful calibration, narrowed by what the
+// alignment of the cameras told of rows and disparities.
+optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& rig,
+                                                             const types::RectifiedRig& rectified,
+                                                             const CalibrationRefinement& refined,
+                                                             const types::RigAlignment& alignment);
+
+}  // namespace divemesh::calibration
