@@ -135,7 +135,7 @@ TEST_F(OptimiseTrackTest, LeavesLoopsOutThatContradictWhatWasTracked) {
     options_.use_imu = false;
     options_.close_loops = true;
     const types::OptimisedTrack result =
-        optimise_track(swim.track, recording_, options_, swim.store, base::ignore_progress);
+        optimise_track(swim.track, recording_, options_, swim.store, {}, base::ignore_progress);
     EXPECT_GE(result.statistics.loops.num_matched, 2);
     EXPECT_EQ(result.statistics.loops.num_accepted, 0);
     ASSERT_EQ(result.findings.size(), 1U);

@@ -50,8 +50,7 @@ protected:
         all["surface"] = false;
         const ReconstructionOptions options = make_options("standard", all);
         const keyframes::KeyframeStore store(*folder_ / "keyframes");
-        const types::Track track =
-            pipeline::track(blanked, options, store, {}, base::ignore_progress);
+        const types::Track track = pipeline::track(blanked, options, store, base::ignore_progress);
         num_tracked_ = track.statistics.num_frames_tracked;
         return pipeline::optimise(track, blanked, options, store, {}, base::ignore_progress);
     }

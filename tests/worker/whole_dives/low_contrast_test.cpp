@@ -66,8 +66,7 @@ protected:
         });
         const keyframes::KeyframeStore store(*folder_ / "keyframes");
         const auto options = make_options("standard", {{"surface", false}, {"num_threads", 1}});
-        const types::Track track =
-            pipeline::track(altered, options, store, {}, base::ignore_progress);
+        const types::Track track = pipeline::track(altered, options, store, base::ignore_progress);
         const types::OptimisedTrack path =
             pipeline::optimise(track, altered, options, store, {}, base::ignore_progress);
         return {track.statistics,
