@@ -33,9 +33,12 @@ public:
         : step_u_px_(static_cast<double>(rig.width_px) / kSteps),
           step_v_px_(static_cast<double>(rig.height_px) / kSteps) {
         for (int row = 0; row <= kSteps; ++row)
-            for (int column = 0; column <= kSteps; ++column)
+            for (int column = 0; column <= kSteps; ++column) {
                 shifts_.push_back(camera::shift_of_change(
                     rig, lens, Eigen::Vector2d(column * step_u_px_, row * step_v_px_)));
+                // Where the lens cannot be inverted, no feature is.
+                if (!shifts_.back().allFinite()) shifts_.back().setZero();
+            }
     }
 
     const LensShift& at(double u_px, double v_px) const {

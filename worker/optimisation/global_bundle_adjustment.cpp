@@ -13,6 +13,9 @@ namespace {
 
 constexpr int kMaxIterations = 15;
 constexpr std::size_t kMaxObservations = 400'000;
+// Scale error of disparities that are interpolated and triangulated with noise. Neither residuals
+// nor errors of the calibration show it, so it is added (Schmidt's consider parameters).
+constexpr double kScaleSigma = 0.0015;
 constexpr std::size_t kMaxCovariances = 64;  // keyframes; covariances change slowly between them
 constexpr std::int64_t kRateInterval_ns = 20'000'000;
 
@@ -90,16 +93,26 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
     const JointCovariance in_world = bundle_adjustment.covariances(of, calibration, rates);
     if (in_world.states.empty()) return {};
     std::vector<Eigen::Vector3d> positions;
-    for (const BodyState* state : of) positions.push_back(state->p_world_imu);
+    Eigen::VectorXd by_scale(3 * std::ssize(of));
+    for (const BodyState* state : of) {
+        by_scale.segment<3>(3 * std::ssize(positions)) =
+            kScaleSigma * (state->p_world_imu - states.front().p_world_imu);
+        positions.push_back(state->p_world_imu);
+    }
     const Eigen::MatrixXd whole_m2 =
-        in_world.positions_m2 + in_world.by_calibration_m * in_world.by_calibration_m.transpose();
+        in_world.positions_m2 + in_world.by_calibration_m * in_world.by_calibration_m.transpose() +
+        by_scale * by_scale.transpose();
     const Eigen::Matrix3d R_world_first = states.front().q_world_imu.toRotationMatrix();
     Uncertainty result;
-    for (std::size_t i = 0; i < of.size(); ++i)
+    for (std::size_t i = 0; i < of.size(); ++i) {
+        const Eigen::Vector3d along = by_scale.segment<3>(3 * static_cast<Eigen::Index>(i));
+        const Eigen::Matrix3d position_m2 =
+            in_world.states[i].position_m2 + along * along.transpose();
         result.covariances.push_back(
             {keyframes[chosen[i]].timestamp_ns,
-             R_world_first.transpose() * in_world.states[i].position_m2 * R_world_first,
+             R_world_first.transpose() * position_m2 * R_world_first,
              R_world_first.transpose() * in_world.states[i].rotation_rad2 * R_world_first});
+    }
     result.path = after_alignment(positions, whole_m2);
     result.path.vertical_scale_sigma = vertical_scale_sigma(positions, in_world.positions_m2);
     result.path.scale_sigma = scale_sigma(positions, whole_m2);

@@ -100,8 +100,10 @@ TEST(ExpectedAccuracyTest, LoopsThatAreMissedWidenTheBounds) {
 TEST(ExpectedAccuracyTest, ALargeBoundAndAContradictedScaleAreFindings) {
     Known known;
     known.covariances.back().position_m2 = Eigen::Matrix3d::Identity();
+    known.optimise.path.mean_square_m2 = 0.3;
     EXPECT_EQ(known.expected().findings.at(0).code, "drift_may_be_large");
 
+    known.optimise.path.mean_square_m2 = 1e-4;
     KnownDistanceErrors distances;
     for (const auto& [known_m, measured_m] : {std::pair(1.0, 0.951), {1.0, 0.949}, {2.0, 1.9}})
         distances.distances.push_back({"", known_m, measured_m, 4, 4});

@@ -157,7 +157,7 @@ TEST_F(KnownDistancesTest, SigmaHoldsTheCalibrationAndTheDriftBetweenTheEnds) {
     marked.marks_a.assign(marks_a.begin(), marks_a.begin() + 4);  // 0 to 0.3 s
     marked.marks_b.assign(marks_b.end() - 4, marks_b.end());      // 0.6 to 0.9 s
     const auto sigma_m = [&](const types::CovarianceTrack& covariances) {
-        return measure_known_distances({marked}, nullptr, rig_, {truth_, covariances})
+        return measure_known_distances({marked}, nullptr, rig_, {truth_, covariances, 0.001})
             .distances[0]
             .sigma_m;
     };

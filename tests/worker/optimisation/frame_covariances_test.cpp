@@ -20,22 +20,18 @@ constexpr int kStep = 5;  // frames of 0.1 s between keyframes
 constexpr double kDuration_s = 0.1 * kStep * kNumKeyframes;
 constexpr std::int64_t kEveryNthPoint = 5;
 
-constexpr double kBaselineSigma = 0.001;    // relative
 constexpr double kDisparityBias_px = 0.03;  // standard deviation
 constexpr double kClockSigma_s = 1e-3;
 constexpr double kMargin_s = 0.1;
 
-// Returns what errors of the baseline and of all disparities do to a measurement.
-Eigen::Matrix3Xd shift_of(const Eigen::Vector3d& measured_px) {
-    Eigen::Matrix3Xd shift = Eigen::Matrix3Xd::Zero(3, 2);
-    shift.row(2) << measured_px.z(), 1.0;
-    return shift;
+// Returns what an error of all disparities does to a measurement.
+Eigen::Matrix3Xd shift_of(const Eigen::Vector3d& /*measured_px*/) {
+    return Eigen::Vector3d::UnitZ();
 }
 
 CalibrationUncertainty calibration() {
     return {shift_of,
-            Eigen::Vector2d(kBaselineSigma * kBaselineSigma, kDisparityBias_px * kDisparityBias_px)
-                .asDiagonal(),
+            Eigen::MatrixXd::Constant(1, 1, kDisparityBias_px * kDisparityBias_px),
             kClockSigma_s};
 }
 
@@ -69,8 +65,7 @@ public:
             sample.acceleration_imu +=
                 accelerometer_bias + sigma.accelerometer_noise_density * root_rate * noise();
         }
-        const Eigen::Vector2d miscalibrated(kBaselineSigma * normal(random),
-                                            kDisparityBias_px * normal(random));
+        const double disparity_bias_px = kDisparityBias_px * normal(random);
         synthetic::World world(0.03 * kStep * kNumKeyframes, 0.0, seed);
         std::vector<types::Keyframe> keyframes;
         std::map<std::int64_t, types::Landmark> seen;
@@ -81,9 +76,8 @@ public:
             if (k > 0) keyframes.back().T_world_cam.translation() += 0.005 * noise();
             for (types::Feature feature : world.see(T_world_cam, frame, 0.0)) {
                 if (feature.id % kEveryNthPoint != 0) continue;
-                const Eigen::Vector3d error =
-                    types::kFeatureSigma_px.cwiseProduct(noise()) +
-                    shift_of({0.0, 0.0, feature.disparity_px}) * miscalibrated;
+                const Eigen::Vector3d error = types::kFeatureSigma_px.cwiseProduct(noise()) +
+                                              disparity_bias_px * Eigen::Vector3d::UnitZ();
                 feature.pixel += error.head<2>();
                 feature.disparity_px += error.z();
                 const Eigen::Vector3d p =
@@ -99,7 +93,8 @@ public:
         std::vector<types::Landmark> landmarks;
         for (auto& [id, landmark] : seen)
             if (landmark.observations.size() > 1) landmarks.push_back(std::move(landmark));
-        const types::RectifiedRig rig = synthetic::rig();
+        types::RectifiedRig rig = synthetic::rig();
+        rig.baseline_m *= 1.0 + 0.001 * normal(random);
         const GlobalBundleAdjustment adjusted = adjust_globally(rig,
                                                                 imu::InertialPrior(recording_, {}),
                                                                 keyframes,

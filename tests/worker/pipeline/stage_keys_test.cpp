@@ -12,6 +12,7 @@ namespace divemesh::pipeline {
 namespace {
 
 const std::map<std::string, std::string> kOtherWords = {{"stereo", "block"},
+                                                        {"correct_scale", "off"},
                                                         {"estimator", "pairwise"},
                                                         {"fusion", "octree"},
                                                         {"mesher", "marching_cubes"}};
