@@ -24,8 +24,8 @@ struct TagView {
 struct MarkerWorld {
     const types::RectifiedRig& rig;
     const std::vector<types::Keyframe>& keyframes;
-    const types::Trajectory& trajectory;        // T_world_imu, final
-    const types::CovarianceTrack& covariances;  // of the same; empty: unknown
+    const types::Trajectory& trajectory;  // T_world_imu, final
+    types::CovarianceTrack covariances;   // of the same; empty: unknown
 };
 
 inline constexpr int kMinMarkerKeyframes = 3;

@@ -1,3 +1,5 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -14,11 +16,31 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr double kMaxScaleSigma = 0.05;
+constexpr double kMaxShare = 0.99;                  // of a variance that the scale's error may be
 constexpr double kMaxCorrection = 0.1;              // beyond it a size was stated wrong
 constexpr double kAccelerometerScaleSigma = 0.003;  // of the sensor itself
 
+// Returns the covariances without the error of the scale that all poses share: known lengths
+// measure it, and it is no drift between the ends of one.
+types::CovarianceTrack without_scale(const types::OptimisedTrack& optimised) {
+    types::CovarianceTrack result = optimised.covariances;
+    if (optimised.trajectory.empty()) return result;
+    const Eigen::Isometry3d T_first_world = optimised.trajectory.front().T_world_imu.inverse();
+    auto pose = optimised.trajectory.begin();
+    for (types::PoseCovariance& at : result) {
+        while (pose != optimised.trajectory.end() && pose->timestamp_ns < at.timestamp_ns) ++pose;
+        if (pose == optimised.trajectory.end()) break;
+        const Eigen::Vector3d error = optimised.statistics.path.scale_sigma *
+                                      (T_first_world * pose->T_world_imu.translation());
+        const double sigmas2 = error.dot(at.position_m2.ldlt().solve(error));
+        if (sigmas2 > 0.0)
+            at.position_m2 -= std::min(1.0, kMaxShare / sigmas2) * error * error.transpose();
+    }
+    return result;
+}
+
 markers::MarkerWorld world_of(const types::OptimisedTrack& optimised) {
-    return {optimised.rig, optimised.keyframes, optimised.trajectory, optimised.covariances};
+    return {optimised.rig, optimised.keyframes, optimised.trajectory, without_scale(optimised)};
 }
 
 std::vector<markers::TagView> find_tags(Reconstruction& made,
