@@ -15,8 +15,8 @@ constexpr std::size_t kMinCalibrationKeyframes = 5;
 constexpr double kSignificant = 4.0;  // sigmas
 constexpr double kMinOffset_s = 1e-3;
 constexpr double kMinRotation_rad = 1.7e-3;
-// Of all parameters of both lenses together, with the weights of systematic errors: exact rigs are
-// below 1.3, typical calibrations from 4 on.
+// The sigmas of all parameters of both lenses together, with the weights of systematic errors:
+// exact rigs are below 1.3, typical calibrations from 4 on.
 constexpr double kSignificantLenses = 3.0;
 
 bool significant(const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance) {

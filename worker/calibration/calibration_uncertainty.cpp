@@ -19,7 +19,8 @@ constexpr int kImu = kBaseline + 1;  // rotation about the axes of the IMU
 constexpr int kLeverArm = kImu + 3;
 constexpr int kSize = kLeverArm + 3;
 constexpr double kTypicalDisparity_px = 20.0;
-// Of a distortion's prior, which is wide enough to find one that is far off.
+// The typical error of a distortion, as a share of its prior: that is wide enough to find one that
+// is far off.
 constexpr double kTypicalDistortion = 0.33;
 constexpr double kBiasSigmas = 2.0;  // ranges are not independent of each other
 using Shift = Eigen::Matrix<double, 3, kSize>;

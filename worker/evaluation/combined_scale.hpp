@@ -19,8 +19,9 @@ struct ScaleSource {
 struct CombinedScale {
     std::vector<ScaleSource> sources;
     ScaleCheck sensors;  // their mean; sigma larger if they disagree (Birge 1932)
-    // Of all lengths: weighted with the cameras', or the sensors' own if it is more than three
-    // sigmas of both together from 1, as then the rig is not as it was calibrated.
+    // All lengths have to be multiplied by it: the sensors' scale weighted with the cameras', or
+    // the sensors' alone if it is more than three sigmas of both together from 1, as then the rig
+    // is not as it was calibrated.
     double factor = 1.0;
     double sigma = 0.0;         // of the factor
     bool contradicted = false;  // the sensors' mean is more than three of its sigmas from 1

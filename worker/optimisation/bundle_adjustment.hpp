@@ -35,8 +35,8 @@ struct StateCovariance {
 // The covariances of several states.
 struct JointCovariance {
     std::vector<StateCovariance> states;  // with the errors of the calibration
-    // Of all positions, three rows per state: their joint covariance by what was measured, and what
-    // each independent error of the calibration adds to them, one standard deviation per column.
+    // Both have three rows per state, for its position: the joint covariance by what was measured,
+    // and what each independent error of the calibration adds, one standard deviation per column.
     Eigen::MatrixXd positions_m2;
     Eigen::MatrixXd by_calibration_m;
 };

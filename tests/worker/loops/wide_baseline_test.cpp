@@ -72,15 +72,21 @@ TEST(WideBaselineTest, AFloorThatRepeatsIsNotTakenForAnotherOfItsPeriods) {
     EXPECT_TRUE(!T_b_a || (*T_b_a * beside).translation().norm() < 0.02);
 }
 
-TEST(RelocaliserTest, RecognisesAKeyframeAndItsFeatures) {
-    const types::RectifiedRig rig = synthetic::small_rig();
-    const Eigen::Isometry3d T_world_keyframe = Eigen::Isometry3d::Identity();
+// Returns 200 features, spread over the image, at the depth of the floor.
+types::Features grid_of_features(const types::RectifiedRig& rig) {
     types::Features features;
     for (int i = 0; i < 200; ++i) {
         types::Feature feature{100 + i, {15.0 + 15.0 * (i % 20), 15.0 + 22.0 * (i / 20)}, 0.0};
         feature.disparity_px = rig.disparity_px(SeaFloor::kDepth_m);
         features.push_back(feature);
     }
+    return features;
+}
+
+TEST(RelocaliserTest, RecognisesAKeyframeAndItsFeatures) {
+    const types::RectifiedRig rig = synthetic::small_rig();
+    const Eigen::Isometry3d T_world_keyframe = Eigen::Isometry3d::Identity();
+    const types::Features features = grid_of_features(rig);
     Relocaliser relocaliser(rig, false, kNumDisparities_px);
     const types::RectifiedFrame keyframe = frame_at(T_world_keyframe, 0);
     relocaliser.keep(keyframe, features, T_world_keyframe);
@@ -106,12 +112,7 @@ TEST(RelocaliserTest, RecognisesAKeyframeAndItsFeatures) {
 TEST(RelocaliserTest, FeaturesThatDidNotFollowTheSceneRecogniseNothing) {
     const types::RectifiedRig rig = synthetic::small_rig();
     const Eigen::Isometry3d T_world_keyframe = Eigen::Isometry3d::Identity();
-    types::Features features;
-    for (int i = 0; i < 200; ++i) {
-        types::Feature feature{100 + i, {15.0 + 15.0 * (i % 20), 15.0 + 22.0 * (i / 20)}, 0.0};
-        feature.disparity_px = rig.disparity_px(SeaFloor::kDepth_m);
-        features.push_back(feature);
-    }
+    const types::Features features = grid_of_features(rig);
     Relocaliser relocaliser(rig, false, kNumDisparities_px);
     const types::RectifiedFrame keyframe = frame_at(T_world_keyframe, 0);
     relocaliser.keep(keyframe, features, T_world_keyframe);
