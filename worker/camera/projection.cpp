@@ -11,17 +11,21 @@ namespace {
 Eigen::Vector2d distort(const types::Camera& camera, const Eigen::Vector2d& n) {
     const auto& k = camera.distortion_coefficients;
     const double r2 = n.squaredNorm();
-    if (camera.distortion == types::Distortion::RadialTangential) {
-        const double radial = 1.0 + r2 * (k[0] + r2 * k[1]);
-        return {n.x() * radial + 2.0 * k[2] * n.x() * n.y() + k[3] * (r2 + 2.0 * n.x() * n.x()),
+    switch (camera.distortion) {
+        case types::Distortion::None: return n;
+        case types::Distortion::RadialTangential: {
+            const double radial = 1.0 + r2 * (k[0] + r2 * k[1]);
+            return {
+                n.x() * radial + 2.0 * k[2] * n.x() * n.y() + k[3] * (r2 + 2.0 * n.x() * n.x()),
                 n.y() * radial + k[2] * (r2 + 2.0 * n.y() * n.y()) + 2.0 * k[3] * n.x() * n.y()};
-    }
-    if (camera.distortion == types::Distortion::Equidistant) {
-        const double r = std::sqrt(r2);
-        if (r < 1e-12) return n;
-        const double theta = std::atan(r);
-        const double t2 = theta * theta;
-        return n * (theta * (1.0 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])))) / r);
+        }
+        case types::Distortion::Equidistant: {
+            const double r = std::sqrt(r2);
+            if (r < 1e-12) return n;
+            const double theta = std::atan(r);
+            const double t2 = theta * theta;
+            return n * (theta * (1.0 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])))) / r);
+        }
     }
     return n;
 }

@@ -7,8 +7,6 @@
 namespace divemesh::evaluation {
 namespace {
 
-constexpr double kContradicts_sigmas = 3.0;
-
 double information(const ScaleCheck& check) { return 1.0 / (check.sigma * check.sigma); }
 
 ScaleCheck mean_of(const std::vector<ScaleSource>& sources) {
@@ -33,10 +31,9 @@ CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_si
     CombinedScale result;
     result.sensors = mean_of(sources);
     result.sources = std::move(sources);
-    result.contradicted =
-        std::abs(result.sensors.scale - 1.0) > kContradicts_sigmas * result.sensors.sigma;
-    if (std::abs(result.sensors.scale - 1.0) >
-        kContradicts_sigmas * std::hypot(result.sensors.sigma, cameras_sigma)) {
+    result.contradicted = is_contradicted(result.sensors);
+    const double with_cameras = std::hypot(result.sensors.sigma, cameras_sigma);
+    if (is_contradicted({result.sensors.scale, with_cameras})) {
         result.factor = result.sensors.scale;
         result.sigma = result.sensors.sigma;
         return result;

@@ -13,7 +13,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kContradicts_sigmas = 3.0;
 constexpr double kSigmasOf95 = 1.96;
 constexpr double kMaxScaleSigma = 0.1;  // beyond it a check is not informative
 constexpr double kLargeShareOfPath = 0.01;
@@ -84,8 +83,8 @@ std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
                                          percent(check->sigma) + " of the scale"});
         return std::nullopt;
     }
-    const double off = check->scale - 1.0;
-    if (std::abs(off) > kContradicts_sigmas * check->sigma) {
+    if (is_contradicted(*check)) {
+        const double off = check->scale - 1.0;
         expected.contradiction = std::max(expected.contradiction, std::abs(off));
         expected.findings.push_back({Severity::Warning,
                                      "scale_contradicted",

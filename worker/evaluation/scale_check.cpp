@@ -22,6 +22,7 @@ constexpr double kWeakPrior = 1e-6;
 constexpr std::int64_t kPressureBin_ns = 500'000'000;
 constexpr std::size_t kMinBins = 20;
 constexpr double kMaxCorrelation = 0.95;
+constexpr double kContradicts_sigmas = 3.0;
 
 // A window's equation: accelerated = s seen + unknowns, see the header.
 struct Equation {
@@ -256,6 +257,10 @@ std::optional<ScaleCheck> scale_by_distances(const KnownDistanceErrors& distance
         by_poses_m2 / known_squares);
     if (sigma <= 0.0) return std::nullopt;
     return ScaleCheck{1.0 / measured_over_known, sigma};
+}
+
+bool is_contradicted(const ScaleCheck& check) {
+    return std::abs(check.scale - 1.0) > kContradicts_sigmas * check.sigma;
 }
 
 nlohmann::json to_metrics(const ScaleCheck& check) {

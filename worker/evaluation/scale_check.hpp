@@ -15,6 +15,9 @@ struct ScaleCheck {
     double sigma = 0.0;  // standard deviation, from the spread of the residuals
 };
 
+// Says whether a scale is more than three of its sigmas from 1.
+bool is_contradicted(const ScaleCheck& check);
+
 // Compares the accelerometer with the path. Both are weighted by windows w(t) = sin^4(pi t / T)
 // that overlap by half, so that no velocity is needed (modulating functions, Shinbrot 1957):
 //

@@ -125,7 +125,7 @@ GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                        const imu::InertialPrior& inertial,
                                        std::vector<types::Keyframe>& keyframes,
                                        std::vector<types::Landmark>& landmarks,
-                                       const std::vector<PredictedMotion>& predicted,
+                                       const std::vector<UnmeasuredMotion>& unmeasured,
                                        const CalibrationUncertainty& calibration,
                                        const base::ProgressCallback& progress,
                                        const Progress& at) {
@@ -143,7 +143,7 @@ GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                               landmarks[i].p_world,
                                               measurement_px(seen),
                                               types::kFeatureSigma_px);
-    for (const PredictedMotion& motion : predicted)
+    for (const UnmeasuredMotion& motion : unmeasured)
         bundle_adjustment.add_present_motion(
             states[motion.to - 1], states[motion.to], motion.sigma_m, motion.sigma_rad);
     WorldReference reference;

@@ -27,7 +27,7 @@ struct GlobalBundleAdjustment {
 
 // The motion to a keyframe from the one before, where nothing measured it: as predicted, with the
 // standard deviations of the motion model.
-struct PredictedMotion {
+struct UnmeasuredMotion {
     std::size_t to = 0;
     double sigma_m = 0.0;
     double sigma_rad = 0.0;
@@ -35,14 +35,14 @@ struct PredictedMotion {
 
 // Adjusts all keyframes and landmarks of a dive together, with the inertial sensors between
 // keyframes and, weakly, the AHRS at them. The first keyframe stays fixed. Landmarks are thinned
-// evenly, so that an hour-long dive can be solved. Predicted motions tie what nothing else ties, so
-// that the covariance grows over them as the motion model's does. The calibration is held; what it
-// is not known by is part of the covariance.
+// evenly, so that an hour-long dive can be solved. Motions that nothing measured tie what nothing
+// else ties, so that the covariance grows over them as the motion model's does. The calibration is
+// held; what it is not known by is part of the covariance.
 GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                        const imu::InertialPrior& inertial,
                                        std::vector<types::Keyframe>& keyframes,
                                        std::vector<types::Landmark>& landmarks,
-                                       const std::vector<PredictedMotion>& predicted,
+                                       const std::vector<UnmeasuredMotion>& unmeasured,
                                        const CalibrationUncertainty& calibration,
                                        const base::ProgressCallback& progress,
                                        const Progress& at);

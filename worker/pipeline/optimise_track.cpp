@@ -55,7 +55,7 @@ private:
     void find_loops();
     types::Track closed_track();
     void drop_loops(const std::string& why);
-    std::vector<optimisation::PredictedMotion> predicted_motions() const;
+    std::vector<optimisation::UnmeasuredMotion> unmeasured_motions() const;
     void refine_calibration(const types::Track& closed);
     bool adjust(types::Track closed);
     void adjust_with_less();
@@ -139,9 +139,9 @@ void TrackOptimiser::refine_calibration(const types::Track& closed) {
 }
 
 // Returns the motions between keyframes over which the scene was lost and no IMU measured either.
-std::vector<optimisation::PredictedMotion> TrackOptimiser::predicted_motions() const {
+std::vector<optimisation::UnmeasuredMotion> TrackOptimiser::unmeasured_motions() const {
     const std::vector<types::Keyframe>& keyframes = track_.keyframes;
-    std::vector<optimisation::PredictedMotion> motions;
+    std::vector<optimisation::UnmeasuredMotion> motions;
     for (std::size_t k = 1; k < keyframes.size(); ++k) {
         if (drift_.segment(k) == drift_.segment(k - 1) ||
             inertial_.motion(keyframes[k - 1].timestamp_ns, keyframes[k].timestamp_ns))
@@ -164,7 +164,7 @@ bool TrackOptimiser::adjust(types::Track closed) {
         inertial_,
         closed.keyframes,
         closed.landmarks,
-        predicted_motions(),
+        unmeasured_motions(),
         calibration::calibration_uncertainty(recording_.rig(), closed.rig, refinement_, alignment_),
         progress_,
         at(0.6));

@@ -31,13 +31,13 @@ protected:
     LostInBetweenTest() : track_(synthetic::tracked_dive(kNumKeyframes)) {}
 
     // Returns the standard deviation of the position of a keyframe, m.
-    double sigma_m(const std::vector<PredictedMotion>& predicted, std::size_t keyframe) {
+    double sigma_m(const std::vector<UnmeasuredMotion>& unmeasured, std::size_t keyframe) {
         types::Track track = track_;
         const auto adjusted = adjust_globally(track.rig,
                                               imu::InertialPrior(recording_, {}),
                                               track.keyframes,
                                               track.landmarks,
-                                              predicted,
+                                              unmeasured,
                                               {},
                                               base::ignore_progress,
                                               {});
@@ -51,10 +51,10 @@ protected:
 TEST_F(LostInBetweenTest, TheCovarianceGrowsByTheMotionModel) {
     const double unbroken_m = sigma_m({}, kNumKeyframes - 1);
     cut_at_the_break(track_);
-    const std::vector<PredictedMotion> predicted = {{kBreak, kSigma_m, kSigma_rad}};
-    EXPECT_LT(sigma_m(predicted, kBreak - 1), 0.05);
-    EXPECT_NEAR(sigma_m(predicted, kBreak), std::sqrt(3.0) * kSigma_m, 0.05);
-    EXPECT_GT(sigma_m(predicted, kNumKeyframes - 1), sigma_m(predicted, kBreak));
+    const std::vector<UnmeasuredMotion> unmeasured = {{kBreak, kSigma_m, kSigma_rad}};
+    EXPECT_LT(sigma_m(unmeasured, kBreak - 1), 0.05);
+    EXPECT_NEAR(sigma_m(unmeasured, kBreak), std::sqrt(3.0) * kSigma_m, 0.05);
+    EXPECT_GT(sigma_m(unmeasured, kNumKeyframes - 1), sigma_m(unmeasured, kBreak));
     EXPECT_LT(unbroken_m, 0.05);
 }
 
