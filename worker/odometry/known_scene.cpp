@@ -111,10 +111,11 @@ bool KnownScene::contradicts(const types::Features& previous,
                kMinRelativeShare * share(num_inliers[0], num_in_sight[0]);
 }
 
-bool KnownScene::confirms(const Registration& vision, const Eigen::Isometry3d& expected) const {
-    if (!vision.found) return false;
+bool KnownScene::confirms(const Registration& vision,
+                          const std::optional<Eigen::Isometry3d>& expected) const {
+    if (!vision.found || !expected) return false;
     const PointPairs inliers = known(vision.inliers);
-    return inliers.size() >= kMinInliers && is_near_prediction(rig_, inliers, expected);
+    return inliers.size() >= kMinInliers && is_near_prediction(rig_, inliers, *expected);
 }
 
 bool KnownScene::is_hidden_behind(const Registration& vision,

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <map>
+#include <optional>
 
 #include "worker/odometry/register_points.hpp"
 #include "worker/types/feature.hpp"
@@ -36,7 +37,8 @@ public:
                      const Registration& vision) const;
     // Returns true if enough known features support a motion that is the predicted one within some
     // pixels: it needs no confirmation, however many others contradict it.
-    bool confirms(const Registration& vision, const Eigen::Isometry3d& expected) const;
+    bool confirms(const Registration& vision,
+                  const std::optional<Eigen::Isometry3d>& expected) const;
     // Returns true if the feature has followed the scene's motion, however briefly.
     bool has_followed(std::int64_t id) const { return points_.contains(id); }
     // Returns true if hardly a known feature supports a motion and those that do are on a surface

@@ -55,6 +55,12 @@ Eigen::Isometry3d MotionModel::predict(const std::optional<types::KnownRotation>
     return T_previous_current.inverse();
 }
 
+bool MotionModel::predicts_reliably(std::int64_t timestamp_ns) const {
+    if (inertial_state_ && !is_lost(timestamp_ns) && inertial_.motion(timestamp_ns_, timestamp_ns))
+        return true;
+    return seconds(timestamp_ns - timestamp_ns_) <= kMaxExtrapolation_s;
+}
+
 Eigen::Isometry3d MotionModel::predict_by_imu(const imu::PreintegratedImu& motion) const {
     const double dt_s = motion.rotation.duration_s;
     const Eigen::Isometry3d T_world_imu = T_world_cam_ * rig_.T_imu_cam.inverse();

@@ -26,6 +26,9 @@ public:
     // lost the position stays, as nothing knows it any more.
     Eigen::Isometry3d predict(const std::optional<types::KnownRotation>& rotation,
                               std::int64_t timestamp_ns) const;
+    // Returns true if predict() knows the motion to some pixels: by the IMU, or as it is too soon
+    // to move otherwise.
+    bool predicts_reliably(std::int64_t timestamp_ns) const;
     void advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns);
     // Tells that vision measured the motion to the last pose.
     void confirm_by_vision() { seen_ns_ = timestamp_ns_; }

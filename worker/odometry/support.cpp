@@ -18,6 +18,8 @@ constexpr double kMinUnexpectedShare = 0.5;  // of the pairs
 // Share of the previous features. Features are looked for where the motion is expected, so the few
 // that are found there by mistake agree with it.
 constexpr double kMinShareFound = 0.05;
+// Where the texture repeats, a tenth of them finds a neighbour that agrees with a wrong motion.
+constexpr double kMinUnexpectedShareFound = 0.15;
 constexpr double kNearPrediction_px = 4.0;
 constexpr int kCellColumns = 8;
 constexpr int kCellRows = 6;
@@ -58,12 +60,12 @@ bool is_near_prediction(const types::RectifiedRig& rig,
 bool well_supported(const types::RectifiedRig& rig,
                     const Registration& motion,
                     std::size_t num_previous,
-                    const Eigen::Isometry3d& expected) {
+                    const std::optional<Eigen::Isometry3d>& expected) {
     const std::size_t num = motion.inliers.size();
     if (!motion.found || num_cells(rig, motion.inliers) < kMinCells) return false;
     const bool most_agree = share(num, motion.num_pairs) >= kMinShareOfPairs;
     if (!most_agree) return false;
-    if (is_near_prediction(rig, motion.inliers, expected))
+    if (expected && is_near_prediction(rig, motion.inliers, *expected))
         return num >= kMinSupportNearPrediction && share(num, num_previous) >= kMinShareFound;
     return num >= kMinSupport && share(num, num_previous) >= kMinShareOfPrevious;
 }
@@ -71,11 +73,12 @@ bool well_supported(const types::RectifiedRig& rig,
 bool explained_by_chance(const types::RectifiedRig& rig,
                          const Registration& motion,
                          std::size_t num_previous,
-                         const Eigen::Isometry3d& expected) {
+                         const std::optional<Eigen::Isometry3d>& expected) {
     const std::size_t num = motion.inliers.size();
     if (share(num, num_previous) < kMinShareFound) return true;
-    if (is_near_prediction(rig, motion.inliers, expected)) return false;
-    return num < kMinUnexpected || share(num, motion.num_pairs) < kMinUnexpectedShare;
+    if (expected && is_near_prediction(rig, motion.inliers, *expected)) return false;
+    return num < kMinUnexpected || share(num, motion.num_pairs) < kMinUnexpectedShare ||
+           share(num, num_previous) < kMinUnexpectedShareFound;
 }
 
 }  // namespace divemesh::odometry

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <cstddef>
+#include <optional>
 
 #include "worker/odometry/register_points.hpp"
 #include "worker/types/rectified_rig.hpp"
@@ -19,19 +20,20 @@ bool is_near_prediction(const types::RectifiedRig& rig,
 // Returns true if a motion found by tracking from the prediction `expected` needs no confirmation:
 // most pairs agree on it, spread over the image, and they are enough, and no tiny share of the
 // `num_previous` features that the previous frame had with depth, if it is the predicted motion
-// within some pixels. Another motion must hold for a good part of those features: features that
-// moved farther may have been taken for their neighbours where the texture repeats, all in the same
-// way.
+// within some pixels. Another motion, and any if nothing is expected, must hold for a good part of
+// those features: features that moved farther may have been taken for their neighbours where the
+// texture repeats, all in the same way.
 bool well_supported(const types::RectifiedRig& rig,
                     const Registration& motion,
                     std::size_t num_previous,
-                    const Eigen::Isometry3d& expected);
+                    const std::optional<Eigen::Isometry3d>& expected);
 
 // Returns true if chance explains a motion: a tiny share of the `num_previous` features that were
-// looked for agree on it, or it is not the predicted one and few pairs or a small share of them do.
+// looked for agree on it, or it is not the predicted one and few pairs, a small share of them or a
+// small share of the features do.
 bool explained_by_chance(const types::RectifiedRig& rig,
                          const Registration& motion,
                          std::size_t num_previous,
-                         const Eigen::Isometry3d& expected);
+                         const std::optional<Eigen::Isometry3d>& expected);
 
 }  // namespace divemesh::odometry

@@ -16,6 +16,12 @@ namespace divemesh::pipeline {
 struct PredictedMotion {
     std::optional<types::KnownRotation> rotation;  // by the inertial sensors
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
+    bool reliable = true;  // false: the rig may have moved otherwise since
+
+    // Returns the motion as far as it is evidence.
+    std::optional<Eigen::Isometry3d> expected() const {
+        return reliable ? std::optional(T_current_previous) : std::nullopt;
+    }
 };
 
 // A frame after steps 2 to 4.

@@ -29,7 +29,7 @@ Observed Recovery::recover(const types::RectifiedFrame& frame,
         odometry::explained_by_chance(state_.rig,
                                       predicted.vision,
                                       odometry::num_with_depth(state_.features),
-                                      prediction.T_current_previous))
+                                      prediction.expected()))
         predicted.vision.found = false;
     if (!predicted.vision.found)
         if (auto recognised = recognise(frame, prediction)) return std::move(*recognised);
@@ -40,7 +40,7 @@ std::optional<Observed> Recovery::follow_wide(const types::RectifiedFrame& frame
                                               const PredictedMotion& prediction) {
     const auto rough =
         state_.memory.register_to_previous(frame,
-                                           {prediction.T_current_previous, prediction.rotation},
+                                           {prediction.expected(), prediction.rotation},
                                            odometry::seed_of(state_.options.seed, frame));
     if (!rough) return std::nullopt;
     state_.moving.forget();

@@ -42,7 +42,8 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
         motion.start(now_ns, odometry::first_pose(state_.inertial, state_.rig, now_ns));
     const std::int64_t before_ns = motion.timestamp_ns();
     const auto rotation = motion.rotation(now_ns);
-    const PredictedMotion prediction{rotation, motion.predict(rotation, now_ns)};
+    const PredictedMotion prediction{
+        rotation, motion.predict(rotation, now_ns), motion.predicts_reliably(now_ns)};
 
     const Observed seen = observe(frame, prediction);  // 2, 3, 4
     const odometry::Registration& vision = seen.vision;
@@ -75,11 +76,12 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
 
 Observed WindowTracker::observe(const types::RectifiedFrame& frame,
                                 const PredictedMotion& prediction) {
-    const Eigen::Isometry3d& expected = prediction.T_current_previous;
+    const std::optional<Eigen::Isometry3d> expected = prediction.expected();
     Observed seen = observe_frame(
         state_,
         frame,
-        state_.tracker.track(frame.left, state_.moving.with_dynamic(state_.features), expected),
+        state_.tracker.track(
+            frame.left, state_.moving.with_dynamic(state_.features), prediction.T_current_previous),
         prediction);
     const std::size_t num_previous = odometry::num_with_depth(state_.features);
     if (state_.map.empty() ||

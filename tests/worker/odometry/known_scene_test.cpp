@@ -92,6 +92,7 @@ TEST(KnownSceneTest, ABoardThatFillsTheImageDoesNotOutvoteTheSceneBehindIt) {
                 synthetic::IsPoseWithin(true_motion(kAppears + 1), 0.2, 0.005));
     EXPECT_FALSE(scene.contradicts(step.before, step.pairs, by_known));
     EXPECT_TRUE(scene.confirms(by_known, true_motion(kAppears + 1)));
+    EXPECT_FALSE(scene.confirms(by_known, std::nullopt));
 }
 
 TEST(KnownSceneTest, ABoardThatHidesTheSceneIsNoNewScene) {

@@ -27,7 +27,7 @@ Registration motion_of(std::size_t num_inliers, std::size_t num_outliers = 0) {
     return motion;
 }
 
-bool supported(const Registration& motion, const Eigen::Isometry3d& expected) {
+bool supported(const Registration& motion, const std::optional<Eigen::Isometry3d>& expected) {
     return well_supported(synthetic::rig(), motion, kNumPrevious, expected);
 }
 
@@ -41,6 +41,17 @@ TEST(SupportTest, AFewFeaturesConfirmThePrediction) {
     const Registration motion = motion_of(15);
     EXPECT_TRUE(supported(motion, motion.T_current_previous));
     EXPECT_FALSE(supported(motion_of(5), motion.T_current_previous));
+}
+
+// After two seconds at constant velocity: one brick in ten is taken for its neighbour.
+TEST(SupportTest, FewFeaturesConfirmNoMotionThatNothingPredicts) {
+    const Registration motion = motion_of(20);
+    EXPECT_FALSE(supported(motion, std::nullopt));
+    EXPECT_TRUE(supported(motion_of(100), std::nullopt));
+    const types::RectifiedRig rig = synthetic::rig();
+    EXPECT_TRUE(explained_by_chance(rig, motion, kNumPrevious, std::nullopt));
+    EXPECT_FALSE(explained_by_chance(rig, motion, kNumPrevious, motion.T_current_previous));
+    EXPECT_FALSE(explained_by_chance(rig, motion_of(60), kNumPrevious, std::nullopt));
 }
 
 TEST(SupportTest, ChanceExplainsFewPairsThatAgreeOnAnUnexpectedMotion) {
