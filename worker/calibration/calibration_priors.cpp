@@ -13,6 +13,12 @@ constexpr double kDistortionShare = 0.15;  // of the coefficient, if that is lar
 
 }  // namespace
 
+LensChanges joined(const std::array<types::LensChange, 2>& lenses) {
+    LensChanges changes;
+    changes << lenses[0].values, lenses[1].values;
+    return changes;
+}
+
 LensChanges lens_prior_sigmas(const types::Rig& rig) {
     LensChanges sigmas;
     for (int side = 0; side < 2; ++side) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "worker/calibration/lens_reprojection.hpp"
 #include "worker/types/rig.hpp"
 
@@ -9,7 +11,7 @@ using LensChanges = Eigen::Matrix<double, LensReprojection::kNumChanges, 1>;  //
 using LensCovariance =
     Eigen::Matrix<double, LensReprojection::kNumChanges, LensReprojection::kNumChanges>;
 
-// Standard deviations of what a careful calibration under water is wrong by.
+// Standard deviations of the errors of a careful calibration under water.
 constexpr double kBaselineSigma = 0.002;       // relative
 constexpr double kStereoRotationSigma = 5e-4;  // rad, of the right camera about each axis
 // The same after the rows of the images were aligned; the yaw is then part of the lenses' centres.
@@ -17,6 +19,9 @@ constexpr double kAlignedRotationSigma = 1.5e-4;  // rad
 constexpr double kImuRotationSigma_rad = 4.4e-3;
 constexpr double kLeverArmSigma_m = 2e-3;  // of the cameras on the IMU, along each axis
 constexpr double kTimeOffsetSigma_s = 4e-3;
+
+// Returns the changes of the left and of the right lens as one vector.
+LensChanges joined(const std::array<types::LensChange, 2>& lenses);
 
 // Returns the standard deviations of the lenses' calibration. That of the right principal point
 // includes the yaw of the right camera, as both move all disparities alike.

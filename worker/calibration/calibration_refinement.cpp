@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/calibration/calibration_priors.hpp"
 #include "worker/calibration/calibration_problem.hpp"
 #include "worker/camera/rerectifier.hpp"
 
@@ -34,12 +35,6 @@ void take_imu(const CalibrationProblem& problem, types::RefinedCalibration& resu
         std::abs(found.time_offset_s) > std::max(kMinOffset_s, kSignificant * sigmas.time_offset_s);
     result.rotation_applied = found.misalignment.norm() > kMinRotation_rad &&
                               significant(found.misalignment, sigmas.misalignment);
-}
-
-LensChanges join(const std::array<types::LensChange, 2>& lenses) {
-    LensChanges changes;
-    changes << lenses[0].values, lenses[1].values;
-    return changes;
 }
 
 void take_lenses(const CalibrationProblem& problem, types::RefinedCalibration& result) {
@@ -79,7 +74,7 @@ CalibrationRefinement refine_calibration(const types::Track& track,
     take_lenses(problem, result);
     refinement.lens_covariance = problem.sigmas().lenses;
     if (result.lenses_applied && align) {
-        problem.hold_lenses(join(result.lenses));
+        problem.hold_lenses(joined(result.lenses));
         if (solved(false)) take_imu(problem, result);
     }
     return refinement;

@@ -107,12 +107,6 @@ private:
     LensShifts right_;
 };
 
-LensChanges joined(const std::array<types::LensChange, 2>& lenses) {
-    LensChanges changes;
-    changes << lenses[0].values, lenses[1].values;
-    return changes;
-}
-
 // Returns true if the images have told how the right camera stands, and this is how it is used.
 bool is_aligned(const types::RigAlignment& alignment) {
     using Outcome = types::RigAlignment::Outcome;

@@ -8,7 +8,7 @@
 
 namespace divemesh::calibration {
 
-// Returns what the calibration is not known by once `refined.calibration` is applied: both lenses,
+// Returns how uncertain the calibration is once `refined.calibration` is applied: both lenses,
 // the rotation of the right camera, the length of the baseline, mounting and clock of the IMU.
 // Where the dive told a parameter it has the uncertainty of that estimate, and what was estimated
 // but not applied is part of it; all else has that of a careful calibration, narrowed by what the

@@ -31,14 +31,23 @@ Eigen::Vector2d distort(const types::Camera& camera, const Eigen::Vector2d& n) {
 }
 
 // Returns the angle to the axis of an equidistant lens at a distance from the principal point in
-// focal lengths, by bisection: at most kMaxFisheyeAngle_rad.
+// focal lengths, by bisection: at most kMaxFisheyeAngle_rad, or the angle at which the polynomial
+// turns back, which it may beyond the image.
 double angle_at(const std::array<double, 4>& k, double distance) {
     const auto distance_at = [&](double angle) {
         const double t2 = angle * angle;
         return angle * (1.0 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
     };
+    constexpr int kNumSteps = 32;
+    constexpr double kStep_rad = kMaxFisheyeAngle_rad / kNumSteps;
     double below = 0.0;
-    double above = kMaxFisheyeAngle_rad;
+    double above = kStep_rad;
+    for (int i = 1; i < kNumSteps && distance_at(above) < distance; ++i) {
+        const double next = kStep_rad * (i + 1);
+        if (distance_at(next) <= distance_at(above)) break;
+        below = above;
+        above = next;
+    }
     for (int i = 0; i < 52; ++i) {
         const double middle = 0.5 * (below + above);
         (distance_at(middle) < distance ? below : above) = middle;

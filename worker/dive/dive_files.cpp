@@ -8,12 +8,13 @@
 namespace divemesh::dive {
 namespace {
 
-// Returns "monday/" for "monday/mav0/cam0/data.csv"; nullopt for all but a dive's list of images.
+// Returns "monday/" for "monday/mav0/cam0/sensor.yaml"; nullopt for all but the calibration of a
+// dive's left camera.
 std::optional<std::string> folder_of_dive(std::string_view path) {
-    constexpr std::string_view kImages = "cam0/data.csv";
+    constexpr std::string_view kCalibration = "cam0/sensor.yaml";
     constexpr std::string_view kRoot = "mav0/";
-    if (!path.ends_with(kImages)) return std::nullopt;
-    path.remove_suffix(kImages.size());
+    if (!path.ends_with(kCalibration)) return std::nullopt;
+    path.remove_suffix(kCalibration.size());
     if (path.ends_with(kRoot)) path.remove_suffix(kRoot.size());
     if (!path.empty() && !path.ends_with('/')) return std::nullopt;
     return std::string(path);

@@ -59,7 +59,7 @@ Measured measure(int num_frames, const std::function<LoadedPair(int index)>& loa
         }
         const double reference = sharpness(scene);
         const cv::Mat& right = pair.right.image;
-        if (reference > 0.0)
+        if (reference > 0.0 && !is_dark(right))
             measured.sharpness_ratio.push_back(sharpness(is_mosaic ? halved(right) : right) /
                                                reference);
     }

@@ -55,6 +55,11 @@ double line_contrast(const cv::Mat& image, int step) {
     return cv::mean(cv::abs(difference))[0];
 }
 
+std::size_t num_cells(const cv::Mat& image) {
+    return static_cast<std::size_t>(image.cols / kCell_px) *
+           static_cast<std::size_t>(image.rows / kCell_px);
+}
+
 // Returns the square cells that the scene can be in: not those outside the circle of a fisheye
 // lens, nor those that no lamp reaches.
 std::vector<cv::Rect> lit_cells(const cv::Mat& image) {
@@ -132,10 +137,16 @@ double mosaic_contrast(const cv::Mat& image) {
     return contrast;
 }
 
+bool is_dark(const cv::Mat& image) {
+    const cv::Mat small = reduced(image);
+    return num_cells(small) >= kMinCells && lit_cells(small).size() < kMinCells;
+}
+
 bool has_texture(const cv::Mat& image) {
     const cv::Mat small = reduced(image);
+    if (num_cells(small) < kMinCells) return true;
     const std::vector<cv::Rect> cells = lit_cells(small);
-    if (cells.size() < kMinCells) return true;
+    if (cells.size() < kMinCells) return false;
     const double contrast = median_of_cells(band(small, 1.5), cells, deviation);
     const double noise = kNoiseGain * noise_level(small, cells);
     return contrast > std::max(kMinContrast, kTextureOverNoise * noise);

@@ -39,7 +39,7 @@ void survey_images(StoredDive& dive, IntakeReport& report, const base::ProgressC
                            "",
                            std::to_string(dive.num_skipped_frames()) + " of " +
                                std::to_string(dive.num_frames()) + " frames are skipped",
-                           "See the findings for single images and copy those images from the "
+                           "The findings about images say why. Copy unreadable ones from the "
                            "recorder again; if there are many, check its card.");
 }
 

@@ -185,6 +185,7 @@ std::optional<types::StereoFrame> StoredDive::next_frame() {
 // again: it does not show the time of its frame.
 void StoredDive::leave_out_repeated(LoadedPair& pair) {
     const auto check = [](cv::Mat& before, LoadedImage& now) {
+        if (now.image.empty()) return;
         if (is_repeated(std::exchange(before, now.image), now.image))
             now = {{}, "image_repeated", "it is the image of the frame before, bit by bit", false};
     };

@@ -64,7 +64,7 @@ private:
     DiveLimits limits_;
     DiveFiles files_;
     DiveContents contents_;
-    FrameReader reader_;     // last: its threads use the members above
+    FrameReader reader_;     // after the members that its threads use
     cv::Mat previous_left_;  // of the pair that was loaded last
     cv::Mat previous_right_;
     std::set<int> skipped_;

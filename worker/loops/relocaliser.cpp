@@ -16,13 +16,6 @@ constexpr std::size_t kNumKeyframes = 3;  // further ones are found as loops, af
 // Confirmed features of a keyframe that are enough to recognise a frame, or to contradict it.
 constexpr std::size_t kMinConfirmed = 5;
 
-bool in_sight(const types::RectifiedRig& rig, const Eigen::Vector3d& p_cam) {
-    if (p_cam.z() <= 0.0) return false;
-    const Eigen::Vector2d pixel = rig.pixel(p_cam);
-    return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() < rig.width_px &&
-           pixel.y() < rig.height_px;
-}
-
 // Returns the keypoints by which loops are found. Their disparities are measured by searching along
 // the rows of the right image.
 features::DescribedKeypoints loop_keypoints(const types::RectifiedFrame& frame,
@@ -122,7 +115,7 @@ bool Relocaliser::contradicts(const KeptKeyframe& keyframe,
     std::size_t num_in_sight = 0;
     for (const types::Feature& feature : keyframe.features)
         if (keyframe.confirmed.contains(feature.id) &&
-            in_sight(rig_, T_current_keyframe * types::point_cam(rig_, feature)))
+            rig_.is_in_sight(T_current_keyframe * types::point_cam(rig_, feature)))
             ++num_in_sight;
     const auto num_found = static_cast<std::size_t>(
         std::count_if(found.begin(), found.end(), [&](const types::Feature& feature) {
@@ -164,7 +157,7 @@ void Relocaliser::confirm(const odometry::PointPairs& inliers,
         for (const types::Feature& feature : keyframe.features)
             if (followed.contains(feature.id))
                 keyframe.confirmed.insert(feature.id);
-            else if (in_sight(rig_, T_cam_keyframe * types::point_cam(rig_, feature)))
+            else if (rig_.is_in_sight(T_cam_keyframe * types::point_cam(rig_, feature)))
                 keyframe.missed.insert(feature.id);
     }
 }

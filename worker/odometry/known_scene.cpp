@@ -21,14 +21,6 @@ constexpr double kMinShareOfPairs = 0.75;
 constexpr double kNear = 0.08;    // of the image width: features on the same part of the image
 constexpr double kInFront = 0.8;  // of the known depth
 constexpr std::size_t kMinCompared = 8;
-constexpr double kMinDepth_m = 0.05;
-
-bool in_sight(const types::RectifiedRig& rig, const Eigen::Vector3d& p_cam) {
-    if (p_cam.z() < kMinDepth_m) return false;
-    const Eigen::Vector2d pixel = rig.pixel(p_cam);
-    return pixel.x() >= 0.0 && pixel.y() >= 0.0 && pixel.x() < rig.width_px &&
-           pixel.y() < rig.height_px;
-}
 
 double share(std::size_t part, std::size_t whole) {
     return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
@@ -72,7 +64,7 @@ bool KnownScene::stays(const Point& point,
                        const PointPair& pair,
                        const Eigen::Isometry3d& T_current_world) const {
     const Eigen::Vector3d p_cam = T_current_world * point.p_world;
-    return p_cam.z() > kMinDepth_m &&
+    return p_cam.z() > types::RectifiedRig::kMinDepth_m &&
            (rig_.pixel(p_cam) - pair.current_px.head<2>()).norm() < kStays_px;
 }
 
@@ -100,7 +92,7 @@ bool KnownScene::contradicts(const types::Features& previous,
     std::array<std::size_t, 2> num_inliers = {};
     for (const types::Feature& feature : previous) {
         if (!types::has_depth(feature) ||
-            !in_sight(rig_, vision.T_current_previous * types::point_cam(rig_, feature)))
+            !rig_.is_in_sight(vision.T_current_previous * types::point_cam(rig_, feature)))
             continue;
         const auto kind = static_cast<std::size_t>(knows(feature.id));
         ++num_in_sight[kind];
@@ -125,7 +117,7 @@ bool KnownScene::is_hidden_behind(const Registration& vision,
     std::vector<Eigen::Vector3d> scene;  // u, v, depth
     for (const auto& [id, point] : points_) {
         const Eigen::Vector3d p_cam = T_previous_world * point.p_world;
-        if (!point.known || !in_sight(rig_, p_cam)) continue;
+        if (!point.known || !rig_.is_in_sight(p_cam)) continue;
         const Eigen::Vector2d pixel = rig_.pixel(p_cam);
         scene.emplace_back(pixel.x(), pixel.y(), p_cam.z());
     }

@@ -25,8 +25,6 @@ public:
                 const Eigen::Isometry3d& T_world_previous,
                 std::int64_t before_ns,
                 std::int64_t now_ns);
-    // Forgets everything: the pose has become unknown.
-    void forget() { points_.clear(); }
 
     // Returns the pairs of known features.
     PointPairs known(const PointPairs& pairs) const;

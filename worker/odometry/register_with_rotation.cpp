@@ -84,7 +84,7 @@ double horn_scale(const PointPairs& pairs) {
     return aligned ? aligned->scale : 1.0;
 }
 
-// Tells whether the inliers determine the motion.
+// Judges whether the inliers determine the motion, and sets the fields that say so.
 void judge(const types::RectifiedRig& rig,
            const std::optional<types::KnownRotation>& rotation,
            Registration& result) {

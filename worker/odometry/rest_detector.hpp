@@ -13,8 +13,8 @@ namespace divemesh::odometry {
 // Recognises a rig that stands still or hardly moves. Each frame is compared with an anchor, the
 // first frame of the rest, not with the frame before: however slowly the rig moves, its distance
 // from the anchor grows until it shows. So a rest hides no more motion than the noise of a single
-// pose, and nothing accumulates while it lasts. Features that appear during the rest join the
-// anchor, so that it outlasts a person who walks past.
+// pose. Features that appear during the rest join the anchor, so that it outlasts a person who
+// walks past; each time that all features have changed, it can hide as much again.
 class RestDetector {
 public:
     explicit RestDetector(const types::RectifiedRig& rig) : rig_(rig) {}

@@ -41,7 +41,7 @@ struct JointCovariance {
     Eigen::MatrixXd by_calibration_m;
 };
 
-// What the calibration is not known by. It is not estimated with the states, but its errors are
+// How uncertain the calibration is. It is not estimated with the states, but its errors are
 // shared by all measurements, so they belong to the covariance (Schmidt's consider parameters).
 struct CalibrationUncertainty {
     // Returns d(u, v, disparity)/d(error), a column per error of the cameras: what must be added to

@@ -56,25 +56,37 @@ struct Uncertainty {
     types::PathUncertainty path;
 };
 
-// Returns how the states change with time, by the IMU; zero where it does not measure.
+// Returns how the state changes with time, by the IMU around it, or before or after it at an end of
+// the readings; zero where there are none.
+BodyRates rates_at(std::int64_t timestamp_ns,
+                   const BodyState& state,
+                   const imu::InertialPrior& inertial,
+                   const WorldReference& reference) {
+    constexpr double kRateInterval_s = 1e-9 * kRateInterval_ns;
+    BodyRates rates;
+    for (const std::int64_t before_ns : {kRateInterval_ns / 2, std::int64_t{0}, kRateInterval_ns}) {
+        const std::int64_t from_ns = timestamp_ns - before_ns;
+        const std::int64_t to_ns = from_ns + kRateInterval_ns;
+        const auto rotation = inertial.integral(from_ns, to_ns);
+        if (!rotation) continue;
+        rates.angular_velocity_world =
+            state.q_world_imu * (base::vector_from_rotation(rotation->q_from_to) / kRateInterval_s);
+        if (const auto motion = inertial.motion(from_ns, to_ns))
+            rates.acceleration_world =
+                state.q_world_imu * (motion->delta_velocity / kRateInterval_s) +
+                imu::kGravity_m_s2 * reference.gravity_direction_world;
+        break;
+    }
+    return rates;
+}
+
 std::vector<BodyRates> rates_of(const imu::InertialPrior& inertial,
                                 const std::vector<types::Keyframe>& keyframes,
                                 const std::vector<BodyState>& states,
                                 const WorldReference& reference) {
-    constexpr double kRateInterval_s = 1e-9 * kRateInterval_ns;
-    std::vector<BodyRates> rates(states.size());
-    for (std::size_t k = 0; k < states.size(); ++k) {
-        const std::int64_t from_ns = keyframes[k].timestamp_ns - kRateInterval_ns / 2;
-        const std::int64_t to_ns = from_ns + kRateInterval_ns;
-        if (const auto rotation = inertial.integral(from_ns, to_ns))
-            rates[k].angular_velocity_world =
-                states[k].q_world_imu *
-                (base::vector_from_rotation(rotation->q_from_to) / kRateInterval_s);
-        if (const auto motion = inertial.motion(from_ns, to_ns))
-            rates[k].acceleration_world =
-                states[k].q_world_imu * (motion->delta_velocity / kRateInterval_s) +
-                imu::kGravity_m_s2 * reference.gravity_direction_world;
-    }
+    std::vector<BodyRates> rates;
+    for (std::size_t k = 0; k < states.size(); ++k)
+        rates.push_back(rates_at(keyframes[k].timestamp_ns, states[k], inertial, reference));
     return rates;
 }
 

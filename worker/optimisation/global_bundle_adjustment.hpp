@@ -37,7 +37,7 @@ struct UnmeasuredMotion {
 // keyframes and, weakly, the AHRS at them. The first keyframe stays fixed. Landmarks are thinned
 // evenly, so that an hour-long dive can be solved. Motions that nothing measured tie what nothing
 // else ties, so that the covariance grows over them as the motion model's does. The calibration is
-// held; what it is not known by is part of the covariance.
+// held; its uncertainty is part of the covariance.
 GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
                                        const imu::InertialPrior& inertial,
                                        std::vector<types::Keyframe>& keyframes,

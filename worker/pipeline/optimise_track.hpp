@@ -13,7 +13,7 @@ namespace divemesh::pipeline {
 // Optimises the whole dive: closes loops, refines the calibration, and adjusts keyframes and
 // landmarks together. After each of them the track is compared with the one before. A result that
 // agrees less with the measurements is not taken, and a finding says so. The track must have at
-// least two keyframes. `alignment`: of the cameras, for the bounds.
+// least two keyframes. The bounds hold how uncertain the `alignment` of the cameras is.
 types::OptimisedTrack optimise_track(const types::Track& track,
                                      const types::Recording& recording,
                                      const ReconstructionOptions& options,

@@ -9,7 +9,6 @@
 namespace divemesh::pipeline {
 namespace {
 
-constexpr double kMinDepth_m = 0.05;
 constexpr int kNumPasses = 2;  // the first makes the motion more accurate for the second
 
 }  // namespace
@@ -89,7 +88,7 @@ void Recovery::go_back_to(const Eigen::Isometry3d& T_world_keyframe,
     for (const types::Feature& feature : in_keyframe) {
         const Eigen::Vector3d p_previous =
             T_previous_keyframe * types::point_cam(state_.rig, feature);
-        if (p_previous.z() <= kMinDepth_m) continue;
+        if (p_previous.z() < types::RectifiedRig::kMinDepth_m) continue;
         const Eigen::Vector3d pixel = types::project_px(state_.rig, p_previous);
         state_.features.push_back({feature.id, pixel.head<2>(), pixel.z()});
     }

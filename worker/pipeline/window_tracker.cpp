@@ -121,12 +121,25 @@ void WindowTracker::choose_features(const types::RectifiedFrame& frame,
                                 state_.features);
 }
 
+bool WindowTracker::note_sight(const odometry::Registration& vision,
+                               const odometry::PointPairs& known) {
+    if (!vision.found) {
+        state_.memory.mark_lost();
+        if (!state_.map.empty() && !ever_found_) in_the_dark_ = true;
+        return false;
+    }
+    ever_found_ = true;
+    if (known.size() >= odometry::kMinInliers) state_.memory.mark_found();
+    return std::exchange(in_the_dark_, false);
+}
+
 bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,
                                 const odometry::Registration& vision) {
     loops::Relocaliser& memory = state_.memory;
+    const odometry::PointPairs known = state_.scene.known(vision.inliers);
+    const bool begins = note_sight(vision, known);
     // A rig that hardly moves sees nothing new, however much passes in front of it.
     const bool rests = rest_.hardly_moves();
-    const bool begins = vision.found && std::exchange(in_the_dark_, false);
     const auto is_due = [&] {
         return rests ? state_.map.due_at_rest(state_.features)
                      : state_.map.due(state_.features, frame.timestamp_ns);
@@ -139,24 +152,18 @@ bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,
                                    state_.options.num_disparities_px,
                                    state_.tracker,
                                    state_.features);
-    const odometry::PointPairs known = state_.scene.known(vision.inliers);
-    if (vision.found) ever_found_ = true;
-    if (!vision.found && !state_.map.empty() && !ever_found_) in_the_dark_ = true;
-    if (!vision.found)
-        memory.mark_lost();
-    else if (known.size() >= odometry::kMinInliers)
-        memory.mark_found();
-    view_.reset();
     // Nothing but an unknown velocity ties the scene to a first keyframe in the dark.
     if (begins) state_.map = KeyframeMap(state_.rig, state_.inertial);
-    if (keep) {
+    if (keep)
         memory.relocalise(
             frame, odometry::seed_of(state_.options.seed, frame), state_.features, state_.motion);
+    if (vision.found) memory.confirm(known, state_.motion.T_world_cam());
+    view_.reset();
+    if (keep) {
         state_.map.add(frame, state_.features, state_.motion, state_.inertial);
         rest_.restart();
         view_ = memory.keep(frame, state_.features, state_.motion.T_world_cam());
     }
-    if (vision.found) memory.confirm(known, state_.motion.T_world_cam());
     return keep;
 }
 

@@ -40,6 +40,9 @@ private:
                          const Eigen::Isometry3d& T_current_previous);
     // Compares the sensors with what vision measured.
     void watch_sensors(const Observed& seen, std::int64_t before_ns, std::int64_t now_ns);
+    // Notes whether vision follows the scene, by pairs of features of which some are known. Returns
+    // true for the first frame that it follows after a start in the dark.
+    bool note_sight(const odometry::Registration& vision, const odometry::PointPairs& known);
     // Keeps the frame as a keyframe if one is due, and looks for new features where they are few.
     // Returns true if it was kept.
     bool keep_if_due(const types::RectifiedFrame& frame, const odometry::Registration& vision);

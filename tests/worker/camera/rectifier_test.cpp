@@ -110,6 +110,24 @@ TEST(ProjectionTest, FisheyeRaysAreThoseOfTheirPixels) {
     }
 }
 
+// Its polynomial turns back at 48 degrees, beyond the corner of the image.
+TEST(ProjectionTest, AFisheyePolynomialMayTurnBackBeyondTheImage) {
+    const types::Camera camera{1280,
+                               960,
+                               900.0,
+                               900.0,
+                               640.0,
+                               480.0,
+                               types::Distortion::Equidistant,
+                               {0.30, 0.2, 0.5, -1.5}};
+    for (const double angle_deg : {1.0, 20.0, 43.5, 47.0}) {
+        const double angle = angle_deg * std::numbers::pi / 180.0;
+        const Eigen::Vector3d ray(0.8 * std::sin(angle), 0.6 * std::sin(angle), std::cos(angle));
+        const Eigen::Vector3d found = unproject(camera, *project(camera, ray));
+        EXPECT_LT((found.normalized() - ray).norm(), 1e-9) << angle_deg << " degrees";
+    }
+}
+
 TEST(RectifierTest, RefusesCamerasThatAreSwapped) {
     types::Rig rig = converging_rig();
     std::swap(rig.T_imu_cam0, rig.T_imu_cam1);

@@ -81,6 +81,7 @@ TEST(FolderTest, ASecondDiveIsToldAndTheFirstIsUsed) {
     const TinyDive monday(folder / "both/monday");
     const TinyDive tuesday(folder / "both/tuesday");
     tuesday.remove("mav0/imu0");
+    tuesday.remove("mav0/cam0/data.csv");
 
     const auto report =
         examine_dive(folder / "both", folder / "scratch", base::ignore_progress).findings;

@@ -93,6 +93,23 @@ TEST(ImageChecksTest, AFoggedOrDefocusedCameraIsNamed) {
                 HasFinding(Severity::Error, "camera_unsharp", "cam1"));
 }
 
+// A camera that is dead still reads noise, which has more fine detail than a scene.
+TEST(ImageChecksTest, ADeadCameraDoesNotMakeTheOtherUnsharp) {
+    const Render dead = [](int frame) {
+        cv::Mat image(480, 640, CV_8UC1);
+        cv::RNG random(static_cast<std::uint64_t>(frame));
+        random.fill(image, cv::RNG::NORMAL, 1.0, 1.0);
+        return image;
+    };
+    const auto with_dead_left = findings_of(dead, healthy, 0.0);
+    EXPECT_THAT(with_dead_left, testing::Not(HasFinding(Severity::Error, "camera_unsharp", "")));
+    EXPECT_THAT(with_dead_left, HasFinding(Severity::Error, "images_featureless", "100 %"));
+    EXPECT_THAT(findings_of(healthy, dead, 0.0),
+                testing::Not(HasFinding(Severity::Error, "camera_unsharp", "")));
+    EXPECT_TRUE(is_dark(dead(0)));
+    EXPECT_FALSE(is_dark(healthy(0)));
+}
+
 TEST(ImageChecksTest, TwoFieldsOfTwoMomentsAreInterlaced) {
     const Render interlaced = [](int frame) {
         cv::Mat image = scene(frame);

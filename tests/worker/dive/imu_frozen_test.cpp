@@ -54,6 +54,7 @@ TEST(ImuFrozenTest, ReadingsThatNeverChangeAreNoFault) {
     leave_out_frozen_readings(samples, "imu", log);
 
     EXPECT_EQ(samples.size(), 400U);
+    EXPECT_TRUE(log.all().empty());
 }
 
 }  // namespace
