@@ -76,8 +76,8 @@ private:
     struct KeptKeyframe {
         View view;
         types::Features features;                    // those with depth
-        std::unordered_set<std::int64_t> confirmed;  // of these, in a later frame
-        std::unordered_set<std::int64_t> missed;     // in sight of a later frame, but not followed
+        std::unordered_set<std::int64_t> confirmed;  // of these, in that frame or a later one
+        std::unordered_set<std::int64_t> missed;     // in sight of such a frame, but not followed
         Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
     };
     const SiftKeypoints& described(View& view) const;

@@ -154,16 +154,15 @@ bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,
                                    state_.features);
     // Nothing but an unknown velocity ties the scene to a first keyframe in the dark.
     if (begins) state_.map = KeyframeMap(state_.rig, state_.inertial);
-    if (keep)
-        memory.relocalise(
-            frame, odometry::seed_of(state_.options.seed, frame), state_.features, state_.motion);
-    if (vision.found) memory.confirm(known, state_.motion.T_world_cam());
     view_.reset();
     if (keep) {
+        memory.relocalise(
+            frame, odometry::seed_of(state_.options.seed, frame), state_.features, state_.motion);
         state_.map.add(frame, state_.features, state_.motion, state_.inertial);
         rest_.restart();
         view_ = memory.keep(frame, state_.features, state_.motion.T_world_cam());
     }
+    if (vision.found) memory.confirm(known, state_.motion.T_world_cam());
     return keep;
 }
 
