@@ -80,8 +80,9 @@ TEST_F(MarkedDiveTest, AWrongBaselineIsCorrectedWhereTheMarkersContradictIt) {
     const auto& path = metrics["trajectory"]["final"];
     EXPECT_NEAR(path["sim3_scale"].get<double>(), 1.0, 0.004);
     const double sigma = metrics["calibration"]["scale_sigma"];
-    EXPECT_NEAR(
-        sigma * correction["factor"].get<double>(), correction["sigma"].get<double>(), 1e-9);
+    // The correction's own, with what the drift of the poses adds.
+    EXPECT_GE(sigma * correction["factor"].get<double>(), correction["sigma"].get<double>());
+    EXPECT_LT(sigma, 0.004);
     EXPECT_LT(std::abs(path["sim3_scale"].get<double>() - 1.0), 3.0 * sigma);
     const auto& bounds = metrics["expected_accuracy"]["trajectory"];
     EXPECT_LT(path["ate_rmse_m"].get<double>(), bounds["ate"]["bound_m"].get<double>());
