@@ -94,7 +94,7 @@ double SimulatedDive::baseline_error() const {
     const std::string words = scene + " " + name();
     std::seed_seq seeds(words.begin(), words.end());
     std::mt19937_64 random(seeds);
-    return evaluation::kCalibrationSigma * std::normal_distribution<double>()(random);
+    return types::kCalibrationSigma * std::normal_distribution<double>()(random);
 }
 
 std::vector<SimulatedDive> dives_of_seed(int seed) {

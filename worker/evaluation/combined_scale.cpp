@@ -7,6 +7,8 @@
 namespace divemesh::evaluation {
 namespace {
 
+constexpr double kMaxCorrection = 0.1;  // beyond it a size was stated wrong
+
 double information(const ScaleCheck& check) { return 1.0 / (check.sigma * check.sigma); }
 
 ScaleCheck mean_of(const std::vector<ScaleSource>& sources) {
@@ -31,9 +33,10 @@ CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_si
     CombinedScale result;
     result.sensors = mean_of(sources);
     result.sources = std::move(sources);
-    result.contradicted = is_contradicted(result.sensors);
+    result.differs = is_contradicted(result.sensors);
     const double with_cameras = std::hypot(result.sensors.sigma, cameras_sigma);
-    if (is_contradicted({result.sensors.scale, with_cameras})) {
+    result.refuted = is_contradicted({result.sensors.scale, with_cameras});
+    if (result.refuted) {
         result.factor = result.sensors.scale;
         result.sigma = result.sensors.sigma;
         return result;
@@ -43,6 +46,14 @@ CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_si
     result.factor = (by_sensors * result.sensors.scale + by_cameras) / (by_sensors + by_cameras);
     result.sigma = 1.0 / std::sqrt(by_sensors + by_cameras);
     return result;
+}
+
+std::optional<CombinedScale> scale_correction(const std::vector<ScaleSource>& sources,
+                                              double cameras_sigma) {
+    if (sources.empty() || cameras_sigma <= 0.0) return std::nullopt;
+    const CombinedScale scale = combined_scale(sources, cameras_sigma);
+    if (!scale.differs || std::abs(scale.factor - 1.0) > kMaxCorrection) return std::nullopt;
+    return scale;
 }
 
 nlohmann::json to_metrics(const CombinedScale& scale) {

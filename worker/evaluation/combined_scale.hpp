@@ -1,18 +1,12 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <string>
+#include <optional>
 #include <vector>
 
-#include "worker/evaluation/scale_check.hpp"
+#include "worker/evaluation/scale_sources.hpp"
 
 namespace divemesh::evaluation {
-
-// A sensor that measures lengths, and its scale against the cameras.
-struct ScaleSource {
-    std::string name;
-    ScaleCheck check;
-};
 
 // What several sensors say of the scale together, each weighted by its sigma, and what follows from
 // that and from the cameras' own calibration.
@@ -20,16 +14,22 @@ struct CombinedScale {
     std::vector<ScaleSource> sources;
     ScaleCheck sensors;  // their mean; sigma larger if they disagree (Birge 1932)
     // All lengths have to be multiplied by it: the sensors' scale weighted with the cameras', or
-    // the sensors' alone if it is more than three sigmas of both together from 1, as then the rig
-    // is not as it was calibrated.
+    // the sensors' alone if the calibration is refuted.
     double factor = 1.0;
-    double sigma = 0.0;         // of the factor
-    bool contradicted = false;  // the sensors' mean is more than three of its sigmas from 1
+    double sigma = 0.0;    // of the factor
+    bool differs = false;  // the sensors' mean is more than three of its sigmas from 1
+    bool refuted = false;  // and three of both's: the rig is not as it was calibrated
 };
 
 // Returns the scale by sensors and by cameras whose own scale has the sigma `cameras_sigma`.
 // `sources` must not be empty.
 CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_sigma);
+
+// Returns the scale by which the result has to be multiplied. Returns nullopt if the sensors' mean
+// does not differ from the cameras' scale, or by more than 10 %, as then a size was stated wrong;
+// and for a path without a stated error (`cameras_sigma` 0), which cannot be weighed.
+std::optional<CombinedScale> scale_correction(const std::vector<ScaleSource>& sources,
+                                              double cameras_sigma);
 
 nlohmann::json to_metrics(const CombinedScale& scale);
 

@@ -4,7 +4,6 @@
 
 #include "schemas/error.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
-#include "worker/evaluation/trajectory_pairs.hpp"
 
 namespace divemesh::evaluation {
 namespace {
@@ -48,26 +47,6 @@ void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
     }
 }
 
-// Returns the true path of a body whose cameras are mounted as stated: turned by how the estimated
-// body stands against the true one on average. The images were taken by the true cameras, so points
-// must be marked where these saw them, whatever the calibration states of their mounting.
-types::Trajectory with_stated_mounting(const EvaluationInput& input,
-                                       const Eigen::Isometry3d& T_reference_world) {
-    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-    for (const types::StampedPose& pose : input.trajectory) {
-        const auto truth = pose_at(input.ground_truth, pose.timestamp_ns);
-        if (!truth) continue;
-        const Eigen::Quaterniond turned(truth->linear().transpose() * T_reference_world.linear() *
-                                        pose.T_world_imu.linear());
-        sum += turned.coeffs() * (turned.coeffs().dot(sum) < 0.0 ? -1.0 : 1.0);
-    }
-    types::Trajectory result = input.ground_truth;
-    if (sum.norm() == 0.0) return result;
-    const Eigen::Quaterniond mean(Eigen::Vector4d(sum.normalized()));
-    for (types::StampedPose& pose : result) pose.T_world_imu = pose.T_world_imu * mean;
-    return result;
-}
-
 void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluation& evaluation) {
     const KnownPath path{input.trajectory, input.covariances, input.scale_sigma};
     if (!has_truth) {
@@ -79,8 +58,8 @@ void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluatio
     for (const types::Keyframe& keyframe : input.keyframes)
         timestamps_ns.push_back(keyframe.timestamp_ns);
     const SurfaceIndex reference(*input.reference);
-    const types::Trajectory true_path =
-        with_stated_mounting(input, evaluation.trajectory->T_reference_estimate);
+    const types::Trajectory true_path = with_mounting_of(
+        input.trajectory, input.ground_truth, evaluation.trajectory->T_reference_estimate);
     const MarkingInput truth{input.rig, true_path, timestamps_ns, reference};
     evaluation.known_distances =
         measure_known_distances(input.known_distances, &truth, input.rig, path);

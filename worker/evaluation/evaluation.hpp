@@ -26,7 +26,7 @@ struct EvaluationInput {
     const std::vector<dive::KnownDistance>& known_distances;
     const std::optional<types::Mesh>& reference;  // in the ground truth's world
     int num_threads = 0;
-    double scale_sigma = kCalibrationSigma;  // of the final trajectory
+    double scale_sigma = types::kCalibrationSigma;  // of the final trajectory
 };
 
 // The result compared with the ground truth that the dive contains; parts without ground truth are

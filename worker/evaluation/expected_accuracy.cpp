@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "worker/base/text.hpp"
-#include "worker/imu/estimate_alignment.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 
 namespace divemesh::evaluation {
@@ -14,15 +12,9 @@ namespace {
 using nlohmann::json;
 
 constexpr double kSigmasOf95 = 1.96;
-constexpr double kMaxScaleSigma = 0.1;  // beyond it a check is not informative
 constexpr double kLargeShareOfPath = 0.01;
 constexpr double kLarge_m = 0.05;
 constexpr double kEndOverAte = 3.0;  // of an error that grows along the path
-
-// Returns the factor on standard deviations; 1 without loops, as there are no residuals then.
-double covariance_scale(const types::LoopStatistics& loops) {
-    return loops.num_accepted > 0 ? std::max(1.0, loops.residual_sigmas) : 1.0;
-}
 
 void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     const auto leave_out = [&](const std::string& reason) {
@@ -54,90 +46,42 @@ void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expect
 
 std::string percent(double share) { return base::fixed(100.0 * share, 1) + " %"; }
 
-// Returns the error of distant positions: they err independently, each by a third of the mean
-// square along a line.
-PathError path_error(const ExpectedAccuracyInput& input) {
-    Eigen::AlignedBox3d box;
-    for (const types::StampedPose& pose : input.trajectory)
-        box.extend(pose.T_world_imu.translation());
-    return {std::numbers::sqrt2 * optimisation::shared_sigma_m(input.optimise.path),
-            box.isEmpty() ? 0.0 : box.diagonal().norm()};
+// Returns what a source of lengths is called in a finding; "" for the markers, which have findings
+// of their own (markers.json).
+std::string words_for(const std::string& source) {
+    if (source == "accelerometer") return "the accelerometer";
+    if (source == "pressure") return "the pressure sensor";
+    if (source == "known_distances") return "known distances";
+    return "";
 }
 
-// Returns an informative check, with the cameras' own error added to its sigma: 1 must be within
-// it. A check that contradicts the cameras is reported as a finding.
-std::optional<ScaleCheck> with_contradiction(std::optional<ScaleCheck> check,
-                                             double cameras_sigma,
-                                             const std::string& metric,
-                                             const std::string& sensor,
-                                             const std::string& why_not,
-                                             ExpectedAccuracy& expected) {
-    if (!check) {
-        expected.left_out.push_back({metric, why_not});
-        return std::nullopt;
-    }
-    check->sigma = std::hypot(check->sigma, cameras_sigma);
-    if (check->sigma > kMaxScaleSigma) {
-        expected.left_out.push_back({metric,
-                                     "the motion determines too little: sigma would be " +
-                                         percent(check->sigma) + " of the scale"});
-        return std::nullopt;
-    }
-    if (is_contradicted(*check)) {
-        const double off = check->scale - 1.0;
-        expected.contradiction = std::max(expected.contradiction, std::abs(off));
-        expected.findings.push_back({Severity::Warning,
-                                     "scale_contradicted",
-                                     "",
-                                     "lengths from " + sensor + " are " + percent(std::abs(off)) +
-                                         (off > 0.0 ? " longer" : " shorter") +
-                                         " than lengths from the cameras, more than " +
-                                         "three times the expected error (standard deviation " +
-                                         percent(check->sigma) + ")",
-                                     "check the stereo calibration (baseline, focal length under "
-                                     "water) and the units and noise of the sensor"});
-    }
-    return check;
+void add_contradiction(const ScaleSource& source, ExpectedAccuracy& expected) {
+    const double off = source.check.scale - 1.0;
+    expected.contradiction = std::max(expected.contradiction, std::abs(off));
+    const std::string words = words_for(source.name);
+    if (words.empty()) return;
+    expected.findings.push_back({Severity::Warning,
+                                 "scale_contradicted",
+                                 "",
+                                 "lengths from " + words + " are " + percent(std::abs(off)) +
+                                     (off > 0.0 ? " longer" : " shorter") +
+                                     " than lengths from the cameras, more than " +
+                                     "three times the expected error (standard deviation " +
+                                     percent(source.check.sigma) + ")",
+                                 "check the stereo calibration (baseline, focal length under "
+                                 "water) and the units and noise of the sensor"});
 }
 
 void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
-    const types::Recording& recording = input.recording;
-    const double scale_sigma = input.optimise.path.scale_sigma;
-    const double cameras_sigma = scale_sigma > 0.0 ? scale_sigma : kCalibrationSigma;
-    if (scale_sigma > 0.0) expected.cameras = ScaleCheck{1.0, scale_sigma};
-    if (input.num_segments > 1) {
-        for (const char* metric : {"scale.accelerometer", "scale.pressure"})
-            expected.left_out.push_back({metric, "the dive has several segments"});
-    } else {
-        expected.accelerometer = with_contradiction(
-            scale_by_accelerometer(imu::aligned(recording.imu(), {input.imu_clock_offset_s}),
-                                   input.trajectory),
-            cameras_sigma,
-            "scale.accelerometer",
-            "the accelerometer",
-            recording.imu().empty() ? "the dive has no IMU"
-                                    : "the IMU covers too little of the dive without a gap",
-            expected);
-        expected.pressure = with_contradiction(
-            scale_by_pressure(
-                recording.pressure(),
-                input.trajectory,
-                covariance_scale(input.optimise.loops) * input.optimise.path.vertical_scale_sigma),
-            cameras_sigma,
-            "scale.pressure",
-            "the pressure sensor",
-            recording.pressure().empty() ? "the dive has no pressure sensor"
-                                         : "the pressure sensor covers too little of the dive",
-            expected);
+    const types::PathUncertainty& path = input.optimise.path;
+    if (path.scale_sigma > 0.0) expected.cameras = ScaleCheck{1.0, path.scale_sigma};
+    expected.scales = input.scale.told;
+    for (ScaleSource& source : expected.scales) {
+        source.check.sigma = std::hypot(source.check.sigma, path.scale_sigma_or_typical());
+        if (is_contradicted(source.check)) add_contradiction(source, expected);
     }
-    expected.known_distances = with_contradiction(
-        input.known_distances ? scale_by_distances(*input.known_distances, path_error(input))
-                              : std::nullopt,
-        cameras_sigma,
-        "scale.known_distances",
-        "known distances",
-        "fewer than three known distances could be measured",
-        expected);
+    expected.left_out.insert(
+        expected.left_out.end(), input.scale.left_out.begin(), input.scale.left_out.end());
 }
 
 // Adds, where sensors contradict the scale of the cameras, what the positions would be off by if
@@ -233,11 +177,8 @@ json to_metrics(const ExpectedAccuracy& expected) {
         result["trajectory"]["loops"] = {{"residual_rms_m", *expected.loop_residual_m},
                                          {"covariance_scale", *expected.covariance_scale}};
     if (expected.cameras) result["scale"]["cameras"] = to_metrics(*expected.cameras);
-    if (expected.accelerometer)
-        result["scale"]["accelerometer"] = to_metrics(*expected.accelerometer);
-    if (expected.pressure) result["scale"]["pressure"] = to_metrics(*expected.pressure);
-    if (expected.known_distances)
-        result["scale"]["known_distances"] = to_metrics(*expected.known_distances);
+    for (const ScaleSource& source : expected.scales)
+        result["scale"][source.name] = to_metrics(source.check);
     if (expected.imu_vision_disagreement_deg)
         result["imu_vision_disagreement_deg"] = *expected.imu_vision_disagreement_deg;
     if (expected.reprojection_rms_px) result["reprojection_rms_px"] = *expected.reprojection_rms_px;

@@ -7,7 +7,7 @@
 
 #include "schemas/finding.hpp"
 #include "worker/evaluation/expected_surface.hpp"
-#include "worker/evaluation/scale_check.hpp"
+#include "worker/evaluation/scale_sources.hpp"
 #include "worker/types/mesh.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/recording.hpp"
@@ -23,15 +23,8 @@ struct ExpectedAccuracyInput {
     const types::CovarianceTrack& covariances;  // of the trajectory; empty: unknown
     const types::TrackStatistics& track;
     const types::OptimiseStatistics& optimise;
-    const KnownDistanceErrors* known_distances = nullptr;  // null: the dive has none
-    const types::Mesh* mesh = nullptr;                     // null: no surface was requested
-    double imu_clock_offset_s = 0.0;                       // IMU time minus camera time, as applied
-};
-
-// A metric that cannot be given, and the reason.
-struct LeftOut {
-    std::string metric;
-    std::string reason;
+    const ScaleSources& scale;
+    const types::Mesh* mesh = nullptr;  // null: no surface was requested
 };
 
 // The accuracy of a reconstruction as estimated from its own data, without ground truth. Bounds
@@ -45,10 +38,8 @@ struct ExpectedAccuracy {
     std::optional<double> loop_residual_m;  // RMS over the closed loops
     std::optional<double> covariance_scale;  // of standard deviations, from the loops
     std::optional<ScaleCheck> cameras;       // scale 1; sigma by calibration and path
-    double contradiction = 0.0;  // largest difference of a sensor's scale that contradicts 1
-    std::optional<ScaleCheck> accelerometer;
-    std::optional<ScaleCheck> pressure;
-    std::optional<ScaleCheck> known_distances;
+    double contradiction = 0.0;       // largest difference of a sensor's scale that contradicts 1
+    std::vector<ScaleSource> scales;  // with the cameras' own sigma: 1 must be within theirs
     std::optional<double> imu_vision_disagreement_deg;  // RMS per frame
     std::optional<double> reprojection_rms_px;
     std::optional<ExpectedSurface> surface;

@@ -194,6 +194,24 @@ void summarise(KnownDistanceErrors& errors) {
 
 }  // namespace
 
+types::Trajectory with_mounting_of(const types::Trajectory& estimate,
+                                   const types::Trajectory& ground_truth,
+                                   const Eigen::Isometry3d& T_reference_estimate) {
+    Eigen::Vector4d sum = Eigen::Vector4d::Zero();
+    for (const types::StampedPose& pose : estimate) {
+        const auto truth = pose_at(ground_truth, pose.timestamp_ns);
+        if (!truth) continue;
+        const Eigen::Quaterniond turned(truth->linear().transpose() *
+                                        T_reference_estimate.linear() * pose.T_world_imu.linear());
+        sum += turned.coeffs() * (turned.coeffs().dot(sum) < 0.0 ? -1.0 : 1.0);
+    }
+    types::Trajectory result = ground_truth;
+    if (sum.norm() == 0.0) return result;
+    const Eigen::Quaterniond mean(Eigen::Vector4d(sum.normalized()));
+    for (types::StampedPose& pose : result) pose.T_world_imu = pose.T_world_imu * mean;
+    return result;
+}
+
 std::vector<dive::Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput& input) {
     std::vector<dive::Mark> marks;
     if (static_cast<double>(input.reference.distance_m(p_world.cast<float>())) > input.tolerance_m)

@@ -9,15 +9,12 @@
 #include "worker/dive/dive.hpp"
 #include "worker/evaluation/surface_index.hpp"
 #include "worker/types/keyframe.hpp"
+#include "worker/types/path_uncertainty.hpp"
 #include "worker/types/pose_covariance.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rig.hpp"
 
 namespace divemesh::evaluation {
-
-// Relative sigma of all lengths where a path does not state its own: baseline and focal length of a
-// careful calibration.
-inline constexpr double kCalibrationSigma = 0.0025;
 
 // A known distance and its measurement.
 struct MeasuredDistance {
@@ -42,9 +39,9 @@ struct KnownDistanceErrors {
 
 // A path and its uncertainty.
 struct KnownPath {
-    const types::Trajectory& trajectory;        // T_world_imu
-    const types::CovarianceTrack& covariances;  // of the trajectory; empty: unknown
-    double scale_sigma = kCalibrationSigma;
+    const types::Trajectory& trajectory;            // T_world_imu
+    const types::CovarianceTrack& covariances;      // of the trajectory; empty: unknown
+    double scale_sigma = types::kCalibrationSigma;  // of the path
 };
 
 // Ground truth by which mark_point() finds the keyframes that show a point.
@@ -56,6 +53,14 @@ struct MarkingInput {
     double max_range_m = 4.0;
     double tolerance_m = 0.03;  // nominal ends may lie this far below or above the true surface
 };
+
+// Returns the true path of a body whose cameras are mounted as on the estimated one: turned by how
+// the estimated body stands against the true one on average. The images were taken by the true
+// cameras, so points must be marked where these saw them, whatever the calibration says of their
+// mounting.
+types::Trajectory with_mounting_of(const types::Trajectory& estimate,
+                                   const types::Trajectory& ground_truth,
+                                   const Eigen::Isometry3d& T_reference_estimate);
 
 // Returns marks of a point in the keyframes that show it, for dives with ground truth: it must be
 // inside the left image at the true pose, in range, on the reference mesh and not hidden by it.

@@ -25,8 +25,12 @@ void move_to_next(const types::Trajectory& trajectory,
     }
 }
 
-// Returns the segment number of every frame. After a break the frames before the first keyframe of
-// a segment belong to it.
+double distance_m(const types::StampedPose& a, const types::StampedPose& b) {
+    return (a.T_world_imu.translation() - b.T_world_imu.translation()).norm();
+}
+
+}  // namespace
+
 std::vector<std::size_t> segment_numbers(const types::Trajectory& trajectory,
                                          const std::vector<types::Keyframe>& keyframes,
                                          const types::Breaks& breaks_ns) {
@@ -39,12 +43,6 @@ std::vector<std::size_t> segment_numbers(const types::Trajectory& trajectory,
     move_to_next(trajectory, keyframes, breaks_ns, numbers);
     return numbers;
 }
-
-double distance_m(const types::StampedPose& a, const types::StampedPose& b) {
-    return (a.T_world_imu.translation() - b.T_world_imu.translation()).norm();
-}
-
-}  // namespace
 
 std::vector<TrackingSegment> segments_of(const types::Trajectory& trajectory,
                                          const std::vector<types::Keyframe>& keyframes,

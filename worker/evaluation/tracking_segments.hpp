@@ -21,10 +21,15 @@ struct TrackingSegment {
     std::vector<Interval> intervals;  // of the frames; more than one if a loop rejoined them
 };
 
-// Returns the segments in the order of their numbers. A frame belongs to the segment of the last
-// keyframe before it; the frames before the first keyframe, and those between a break
-// (`breaks_ns`) and the next keyframe, belong to that keyframe's. A motion that was not
-// measured does not count towards the path.
+// Returns the segment number of every frame. A frame belongs to the segment of the last keyframe
+// before it; the frames before the first keyframe, and those between a break (`breaks_ns`) and the
+// next keyframe, belong to that keyframe's.
+std::vector<std::size_t> segment_numbers(const types::Trajectory& trajectory,
+                                         const std::vector<types::Keyframe>& keyframes,
+                                         const types::Breaks& breaks_ns = {});
+
+// Returns the segments in the order of their numbers. A motion that was not measured does not count
+// towards the path.
 std::vector<TrackingSegment> segments_of(const types::Trajectory& trajectory,
                                          const std::vector<types::Keyframe>& keyframes,
                                          const types::Breaks& breaks_ns = {});

@@ -1,7 +1,5 @@
 #include "worker/io/reconstruction_folder.hpp"
 
-#include <array>
-#include <cmath>
 #include <fstream>
 #include <string>
 #include <utility>
@@ -9,14 +7,13 @@
 #include "schemas/error.hpp"
 #include "worker/io/covariance_file.hpp"
 #include "worker/io/ply.hpp"
+#include "worker/io/rig_json.hpp"
 #include "worker/io/trajectory_file.hpp"
 
 namespace divemesh::io {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kRotationTolerance = 1e-3;  // of a quaternion's norm
 
 json read_json(const std::filesystem::path& file) {
     std::ifstream stream(file);
@@ -29,18 +26,6 @@ json read_json(const std::filesystem::path& file) {
     if (!document.is_object())
         throw Error(ErrorCode::BadData, file.string() + " is not a JSON object");
     return document;
-}
-
-Eigen::Isometry3d pose_of(const json& entry) {
-    const auto position = entry.at("position_m").get<std::array<double, 3>>();
-    const auto wxyz = entry.at("orientation_wxyz").get<std::array<double, 4>>();
-    const Eigen::Quaterniond q(wxyz[0], wxyz[1], wxyz[2], wxyz[3]);
-    if (!(std::abs(q.norm() - 1.0) < kRotationTolerance))
-        throw Error(ErrorCode::BadData, "orientation_wxyz is not a unit quaternion");
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = q.normalized().toRotationMatrix();
-    T.translation() = Eigen::Vector3d(position[0], position[1], position[2]);
-    return T;
 }
 
 // Runs `read` and adds the file's name to errors, such as a field of the wrong type.
@@ -87,7 +72,7 @@ std::vector<KeyframePose> ReconstructionFolder::keyframes() const {
         for (const json& entry : document.at("keyframes"))
             keyframes.push_back({entry.at("frame_index").get<int>(),
                                  entry.at("timestamp_ns").get<std::int64_t>(),
-                                 pose_of(entry)});
+                                 pose_from_json(entry)});
         return keyframes;
     });
 }
@@ -95,7 +80,20 @@ std::vector<KeyframePose> ReconstructionFolder::keyframes() const {
 std::optional<Eigen::Isometry3d> ReconstructionFolder::T_imu_cam0() const {
     const json::json_pointer pointer("/calibration/T_imu_cam0");
     if (!metrics_.contains(pointer)) return std::nullopt;
-    return of_file(folder_ / "metrics.json", [&] { return pose_of(metrics_.at(pointer)); });
+    return of_file(folder_ / "metrics.json", [&] { return pose_from_json(metrics_.at(pointer)); });
+}
+
+std::optional<types::Rig> ReconstructionFolder::rig() const {
+    const json::json_pointer pointer("/calibration/rig");
+    if (!metrics_.contains(pointer)) return std::nullopt;
+    return of_file(folder_ / "metrics.json", [&] { return rig_from_json(metrics_.at(pointer)); });
+}
+
+double ReconstructionFolder::scale_sigma() const {
+    return of_file(folder_ / "metrics.json", [&] {
+        return metrics_.value(json::json_pointer("/calibration/scale_sigma"),
+                              types::kCalibrationSigma);
+    });
 }
 
 }  // namespace divemesh::io

@@ -8,8 +8,10 @@
 #include <vector>
 
 #include "worker/types/mesh.hpp"
+#include "worker/types/path_uncertainty.hpp"
 #include "worker/types/pose_covariance.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/rig.hpp"
 
 namespace divemesh::io {
 
@@ -39,6 +41,9 @@ public:
     nlohmann::json mosaic() const;  // mosaic.json
     // Returns the pose of the left camera on the body; nullopt for files of older versions.
     std::optional<Eigen::Isometry3d> T_imu_cam0() const;
+    // Returns the rig that the poses belong to; nullopt for files of older versions.
+    std::optional<types::Rig> rig() const;
+    double scale_sigma() const;  // of all lengths, relative
 
 private:
     std::filesystem::path folder_;

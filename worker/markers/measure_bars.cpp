@@ -10,6 +10,9 @@ constexpr double kMinSigma_m = 1e-5;
 // Error with which an edge between black and white is read, the same for all edges of a tag: 0.1 to
 // 0.25 px on dark tags with a tone curve of 1/2.2 and a point spread of a pixel.
 constexpr double kEdge_px = 0.2;
+// Of all printed sizes alike where nothing is stated of it: printers that fit a sheet to their page
+// print it at 94 to 98 %.
+constexpr double kPrintingSigma = 0.02;
 constexpr int kMinBarsForLeavingOut = 3;
 constexpr double kTolerated_sigmas = 3.0;
 
@@ -207,6 +210,19 @@ std::optional<MarkerScale> scale_of(const std::vector<BarMetrics>& bars) {
         if (bar.consistent)
             edges += *bar.measured_m * bar.edge_sigma_m / (bar.own_sigma_m * bar.own_sigma_m);
     scale.sigma = std::hypot(sums.sigma() * std::max(1.0, ratio), edges / sums.squares);
+    return scale;
+}
+
+std::optional<MarkerScale> trusted_scale(const std::vector<BarMetrics>& bars) {
+    const auto is_unsure = [](const BarMetrics& bar) {
+        return bar.is_printed_size && bar.known_sigma_m <= 0.0;
+    };
+    std::vector<BarMetrics> sure = bars;
+    std::erase_if(sure, is_unsure);
+    find_inconsistent(sure);
+    if (auto scale = scale_of(sure)) return scale;
+    auto scale = scale_of(bars);
+    if (scale) scale->sigma = std::hypot(scale->sigma, kPrintingSigma * scale->factor);
     return scale;
 }
 

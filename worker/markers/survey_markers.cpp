@@ -199,6 +199,7 @@ MarkerMetrics measure_markers(const std::vector<TagView>& views,
     metrics.bars =
         measure_bars(metrics.markers, plan, {drift_rate(world), metrics.systematic_scale_sigma});
     metrics.scale = scale_of(metrics.bars);
+    metrics.trusted_scale = trusted_scale(metrics.bars);
     FindingWriter(views, plan, world, metrics).write();
     return metrics;
 }

@@ -28,6 +28,14 @@ Eigen::MatrixXd rigid_motions(const std::vector<Eigen::Vector3d>& positions) {
     return motions;
 }
 
+Eigen::Matrix3Xd from_centre(const std::vector<Eigen::Vector3d>& positions) {
+    Eigen::Matrix3Xd arms(3, std::ssize(positions));
+    for (Eigen::Index i = 0; i < arms.cols(); ++i)
+        arms.col(i) = positions[static_cast<std::size_t>(i)];
+    arms.colwise() -= arms.rowwise().mean().eval();
+    return arms;
+}
+
 }  // namespace
 
 types::PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& positions,
@@ -64,16 +72,16 @@ double vertical_scale_sigma(const std::vector<Eigen::Vector3d>& positions,
     return std::sqrt(std::max(0.0, along.dot(covariance_m2 * along))) / squares;
 }
 
+double spread_m2(const std::vector<Eigen::Vector3d>& positions) {
+    return from_centre(positions).squaredNorm() / static_cast<double>(positions.size());
+}
+
 double scale_sigma(const std::vector<Eigen::Vector3d>& positions,
                    const Eigen::MatrixXd& covariance_m2) {
-    const Eigen::Index num = std::ssize(positions);
-    Eigen::Matrix3Xd from_centre(3, num);
-    for (Eigen::Index i = 0; i < num; ++i)
-        from_centre.col(i) = positions[static_cast<std::size_t>(i)];
-    from_centre.colwise() -= from_centre.rowwise().mean().eval();
-    const double squares = from_centre.squaredNorm();
+    const Eigen::Matrix3Xd arms = from_centre(positions);
+    const double squares = arms.squaredNorm();
     if (squares <= 0.0) return 0.0;
-    const Eigen::Map<const Eigen::VectorXd> along(from_centre.data(), 3 * num);
+    const Eigen::Map<const Eigen::VectorXd> along(arms.data(), arms.size());
     return std::sqrt(std::max(0.0, along.dot(covariance_m2 * along))) / squares;
 }
 

@@ -20,6 +20,9 @@ types::PathUncertainty after_alignment(const std::vector<Eigen::Vector3d>& posit
 double vertical_scale_sigma(const std::vector<Eigen::Vector3d>& positions,
                             const Eigen::MatrixXd& covariance_m2);
 
+// Returns the mean square distance of the positions from their centre.
+double spread_m2(const std::vector<Eigen::Vector3d>& positions);
+
 // Returns the standard deviation of the scale factor that maps the true path to the estimated one.
 // With v the positions from their centre: sqrt(v' P v) / v' v. 0 for a single place.
 double scale_sigma(const std::vector<Eigen::Vector3d>& positions,

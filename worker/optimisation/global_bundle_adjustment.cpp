@@ -111,9 +111,10 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
             kScaleSigma * (state->p_world_imu - states.front().p_world_imu);
         positions.push_back(state->p_world_imu);
     }
-    const Eigen::MatrixXd whole_m2 =
-        in_world.positions_m2 + in_world.by_calibration_m * in_world.by_calibration_m.transpose() +
+    const Eigen::MatrixXd shared_m2 =
+        in_world.by_calibration_m * in_world.by_calibration_m.transpose() +
         by_scale * by_scale.transpose();
+    const Eigen::MatrixXd whole_m2 = in_world.positions_m2 + shared_m2;
     const Eigen::Matrix3d R_world_first = states.front().q_world_imu.toRotationMatrix();
     Uncertainty result;
     for (std::size_t i = 0; i < of.size(); ++i) {
@@ -128,6 +129,8 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
     result.path = after_alignment(positions, whole_m2);
     result.path.vertical_scale_sigma = vertical_scale_sigma(positions, in_world.positions_m2);
     result.path.scale_sigma = scale_sigma(positions, whole_m2);
+    result.path.shared_scale_sigma = scale_sigma(positions, shared_m2);
+    result.path.spread_m2 = spread_m2(positions);
     return result;
 }
 

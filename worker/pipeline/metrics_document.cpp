@@ -13,6 +13,7 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/text.hpp"
 #include "worker/camera/rectified_lens.hpp"
+#include "worker/io/rig_json.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -23,15 +24,6 @@ constexpr double kDegPerRad = 57.29577951308232;
 
 double rate(std::int64_t count, double seconds) {
     return seconds > 0.0 ? static_cast<double>(count) / seconds : 0.0;
-}
-
-std::string_view to_string(types::Distortion distortion) {
-    switch (distortion) {
-        case types::Distortion::None: return "none";
-        case types::Distortion::RadialTangential: return "radial-tangential";
-        case types::Distortion::Equidistant: return "equidistant";
-    }
-    return "";
 }
 
 void append(std::string& text, double value) {
@@ -48,7 +40,7 @@ void append(std::string& text, const types::Camera& camera, const Eigen::Isometr
                                camera.cx_px,
                                camera.cy_px})
         append(text, value);
-    text.append(to_string(camera.distortion)).append("\n");
+    text.append(io::to_string(camera.distortion)).append("\n");
     for (const double value : camera.distortion_coefficients) append(text, value);
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column) append(text, T_imu_cam(row, column));
@@ -138,13 +130,6 @@ json alignment(const types::RigAlignment& found) {
     return result;
 }
 
-json pose(const Eigen::Isometry3d& T) {
-    const Eigen::Vector3d p = T.translation();
-    const Eigen::Quaterniond q(T.linear());
-    return {{"position_m", {p.x(), p.y(), p.z()}},
-            {"orientation_wxyz", {q.w(), q.x(), q.y(), q.z()}}};
-}
-
 json dive(const MetricsInput& input) {
     json result = {{"name", input.dive_name},
                    {"content_sha256", input.content_sha256},
@@ -163,10 +148,12 @@ json calibration(const MetricsInput& input) {
                    {"baseline_m", rig.baseline_m()},
                    {"focal_px", {rig.cam0.fx_px, rig.cam0.fy_px}},
                    {"image_size_px", {rig.cam0.width_px, rig.cam0.height_px}},
-                   {"distortion_model", to_string(rig.cam0.distortion)},
-                   {"T_imu_cam0", pose(rig.T_imu_cam0)},
+                   {"distortion_model", io::to_string(rig.cam0.distortion)},
+                   {"T_imu_cam0", io::to_json(rig.T_imu_cam0)},
                    {"sha256", calibration_sha256(input.stated_rig)},
-                   {"alignment", alignment(input.alignment)}};
+                   {"alignment", alignment(input.alignment)},
+                   {"rig", io::to_json(input.used_rig)},
+                   {"scale_sigma", input.optimise.path.scale_sigma_or_typical()}};
     if (input.gravity)
         result["gravity"] = {{"magnitude_m_s2", input.gravity->magnitude_m_s2},
                              {"tilt_deg", input.gravity->tilt_deg}};

@@ -48,7 +48,8 @@ struct MetricsInput {
     std::string content_sha256;
     double duration_s = 0.0;
     types::Rig stated_rig;
-    types::Rig rig;  // as used: with the alignment, if it was applied
+    types::Rig rig;       // as used: with the alignment, if it was applied
+    types::Rig used_rig;  // the poses belong to it: refined and scaled too
     types::RigAlignment alignment;
     std::optional<evaluation::GravityCheck> gravity;  // nullopt: no IMU
     types::RefinedCalibration refined;

@@ -8,6 +8,7 @@
 #include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/metrics_document.hpp"
 #include "worker/pipeline/result_findings.hpp"
+#include "worker/pipeline/scale_of_result.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -20,8 +21,14 @@ double path_length_m(const Segments& segments) {
     return length_m;
 }
 
+// Returns the rig that the poses belong to.
+types::Rig used_rig(const Reconstruction& made) {
+    const types::Rig refined =
+        calibration::refined_rig(made.recording.rig(), made.optimised.calibration);
+    return made.scale ? made.scale->applied(refined) : refined;
+}
+
 evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments& segments) {
-    const auto& known = made.evaluation.known_distances;
     return evaluation::expected_accuracy(
         {.recording = made.recording,
          .trajectory = made.optimised.trajectory,
@@ -30,9 +37,8 @@ evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments
          .covariances = made.optimised.covariances,
          .track = made.track.statistics,
          .optimise = made.optimised.statistics,
-         .known_distances = known ? &*known : nullptr,
-         .mesh = made.request.options.surface ? &made.surface.mesh : nullptr,
-         .imu_clock_offset_s = made.optimised.calibration.applied_alignment().time_offset_s});
+         .scale = scale_sources(made),
+         .mesh = made.request.options.surface ? &made.surface.mesh : nullptr});
 }
 
 std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
@@ -62,7 +68,7 @@ std::vector<Finding> findings(const Reconstruction& made,
         if (finding) all.push_back(*finding);
     };
     add(segments_finding(segments));
-    add(scale_finding(expected, made.markers));
+    add(scale_finding(expected));
     add(bounds_finding(expected, segments.size()));
     if (made.options().surface) add(surface_finding(std::ssize(made.surface.mesh.triangles)));
     return all;
@@ -71,11 +77,8 @@ std::vector<Finding> findings(const Reconstruction& made,
 }  // namespace
 
 evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
-    const types::Rig refined =
-        calibration::refined_rig(made.recording.rig(), made.optimised.calibration);
-    const double scale_sigma = made.optimised.statistics.path.scale_sigma;
     return evaluation::evaluate_reconstruction(
-        {.rig = made.scale ? made.scale->applied(refined) : refined,
+        {.rig = used_rig(made),
          .trajectory = made.optimised.trajectory,
          .causal = measured_causal(made.track),
          .covariances = made.optimised.covariances,
@@ -86,7 +89,7 @@ evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
          .known_distances = made.dive.known_distances(),
          .reference = made.dive.read_reference_mesh(),
          .num_threads = made.request.options.num_threads,
-         .scale_sigma = scale_sigma > 0.0 ? scale_sigma : evaluation::kCalibrationSigma});
+         .scale_sigma = made.optimised.statistics.path.scale_sigma_or_typical()});
 }
 
 nlohmann::json metrics_of(const Reconstruction& made) {
@@ -103,6 +106,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .duration_s = made.dive.duration_s(),
          .stated_rig = made.dive.rig(),
          .rig = made.recording.rig(),
+         .used_rig = used_rig(made),
          .alignment = made.alignment,
          .gravity = evaluation::check_gravity(made.dive.imu(), made.optimised.trajectory),
          .refined = made.optimised.calibration,

@@ -42,11 +42,8 @@ std::optional<Finding> segments_finding(const std::vector<evaluation::TrackingSe
                    "after a pause come back to a place that was already recorded"};
 }
 
-std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expected,
-                                     const std::optional<markers::MarkerMetrics>& markers) {
-    if (expected.accelerometer || expected.pressure || expected.known_distances ||
-        (markers && markers->scale))
-        return std::nullopt;
+std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expected) {
+    if (!expected.scales.empty()) return std::nullopt;
     return Finding{
         Severity::Warning,
         "scale_untested",

@@ -7,7 +7,6 @@
 #include "schemas/finding.hpp"
 #include "worker/evaluation/expected_accuracy.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
-#include "worker/markers/marker_metrics.hpp"
 
 // What the user is told about the result as a whole: what is not known about it.
 namespace divemesh::pipeline {
@@ -16,8 +15,7 @@ namespace divemesh::pipeline {
 std::optional<Finding> segments_finding(const std::vector<evaluation::TrackingSegment>& segments);
 
 // Returns a warning if no sensor and no known distance tested the scale.
-std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expected,
-                                     const std::optional<markers::MarkerMetrics>& markers);
+std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expected);
 
 // Returns a warning if the error of a connected path has no bound.
 std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expected,

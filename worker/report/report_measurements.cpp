@@ -71,6 +71,7 @@ private:
     void measure_distances();
     void measure_reef();
     types::Trajectory true_body_path() const;
+    std::optional<types::Rig> used_rig() const;
 
     void cannot(const char* code,
                 const std::string& where,
@@ -164,7 +165,15 @@ types::Trajectory Measuring::true_body_path() const {
     return path;
 }
 
+// Returns the rig that the poses belong to; a result of an older version does not state it.
+std::optional<types::Rig> Measuring::used_rig() const {
+    if (auto rig = inputs_.reconstruction.rig()) return rig;
+    if (!inputs_.dive) return std::nullopt;
+    return markers::rig_as_scaled(inputs_.dive->rig(), inputs_.reconstruction.metrics());
+}
+
 void Measuring::measure_distances() {
+    const std::optional<types::Rig> rig = used_rig();
     const bool all_marked = std::all_of(inputs_.known_distances.begin(),
                                         inputs_.known_distances.end(),
                                         [](const dive::KnownDistance& d) { return d.is_marked(); });
@@ -172,34 +181,32 @@ void Measuring::measure_distances() {
     const bool has_truth =
         result_.trajectory && inputs_.reference && !inputs_.reference->triangles.empty() &&
         inputs_.reconstruction.has_surface() && !registered_.options.pair_by_index;
-    if (!inputs_.dive || (!all_marked && !has_truth)) {
+    if (!rig || (!all_marked && !has_truth)) {
         cannot("known_distances_not_measured",
                "measurements.json",
-               inputs_.dive
-                   ? "it is not stated for every length where its ends appear in the images"
+               rig ? "it is not stated for every length where its ends appear in the images"
                    : "lengths cannot be measured without the calibration of the rig, which is part "
                      "of the dive",
-               inputs_.dive ? "mark both ends in at least four frames (marks_a, marks_b), or give "
-                              "ground truth, a reference mesh and a reconstruction with a surface"
-                            : "give the dive too");
+               rig ? "mark both ends in at least four frames (marks_a, marks_b), or give "
+                     "ground truth, a reference mesh and a reconstruction with a surface"
+                   : "give the dive too");
         return;
     }
     const types::Trajectory trajectory = inputs_.reconstruction.trajectory();
     const types::CovarianceTrack covariances = inputs_.reconstruction.covariances();
-    const evaluation::KnownPath path{trajectory, covariances};
-    const types::Rig rig =
-        markers::rig_as_scaled(inputs_.dive->rig(), inputs_.reconstruction.metrics());
+    const evaluation::KnownPath path{trajectory, covariances, inputs_.reconstruction.scale_sigma()};
     evaluation::KnownDistanceErrors errors;
     if (has_truth) {
         std::vector<std::int64_t> timestamps_ns;
         for (const io::KeyframePose& keyframe : inputs_.reconstruction.keyframes())
             timestamps_ns.push_back(keyframe.timestamp_ns);
-        const types::Trajectory truth = true_body_path();
+        const types::Trajectory truth = evaluation::with_mounting_of(
+            trajectory, true_body_path(), result_.trajectory->T_reference_estimate);
         const evaluation::SurfaceIndex reference(*inputs_.reference);
-        const evaluation::MarkingInput marking{rig, truth, timestamps_ns, reference};
-        errors = evaluation::measure_known_distances(inputs_.known_distances, &marking, rig, path);
+        const evaluation::MarkingInput marking{*rig, truth, timestamps_ns, reference};
+        errors = evaluation::measure_known_distances(inputs_.known_distances, &marking, *rig, path);
     } else {
-        errors = evaluation::measure_known_distances(inputs_.known_distances, nullptr, rig, path);
+        errors = evaluation::measure_known_distances(inputs_.known_distances, nullptr, *rig, path);
     }
     result_.document["known_distances"] = evaluation::to_metrics(errors);
 }

@@ -11,7 +11,7 @@ namespace {
 TEST(CombinedScaleTest, WeighsEachByWhatItKnows) {
     const CombinedScale scale =
         combined_scale({{"markers", {1.01, 0.001}}, {"accelerometer", {1.01, 0.01}}}, 0.005);
-    EXPECT_TRUE(scale.contradicted);
+    EXPECT_TRUE(scale.differs);
     EXPECT_NEAR(scale.sensors.scale, 1.01, 1e-12);
     const double by_sensors = 1e6 + 1e4;
     const double by_cameras = 1.0 / (0.005 * 0.005);
@@ -28,8 +28,26 @@ TEST(CombinedScaleTest, ARigThatIsNotAsCalibratedIsNotBelieved) {
 TEST(CombinedScaleTest, SensorsThatDisagreeKnowLess) {
     const CombinedScale scale =
         combined_scale({{"markers", {1.02, 0.004}}, {"accelerometer", {0.98, 0.004}}}, 0.005);
-    EXPECT_FALSE(scale.contradicted);
+    EXPECT_FALSE(scale.differs);
     EXPECT_NEAR(scale.sensors.sigma, 0.02, 1e-9);
+}
+
+TEST(ScaleCorrectionTest, IsRefutedOnlyWhereBothTogetherCannotBeRight) {
+    const auto better = scale_correction({{"markers", {1.01, 0.001}}}, 0.005);
+    ASSERT_TRUE(better);
+    EXPECT_FALSE(better->refuted);
+    const auto wrong = scale_correction({{"markers", {1.05, 0.001}}}, 0.005);
+    ASSERT_TRUE(wrong);
+    EXPECT_TRUE(wrong->refuted);
+    EXPECT_NEAR(wrong->factor, 1.05, 1e-12);
+}
+
+TEST(ScaleCorrectionTest, IsNotMadeWithoutReasonOrWhereASizeMustBeWrong) {
+    EXPECT_FALSE(scale_correction({}, 0.005));
+    EXPECT_FALSE(scale_correction({{"markers", {1.002, 0.001}}}, 0.005));
+    EXPECT_FALSE(scale_correction({{"markers", {1.25, 0.001}}}, 0.005));
+    EXPECT_FALSE(scale_correction({{"markers", {0.8, 0.001}}}, 0.005));
+    EXPECT_FALSE(scale_correction({{"markers", {1.05, 0.001}}}, 0.0));
 }
 
 // Draws true scales by the cameras' sigma and measures them with noise.

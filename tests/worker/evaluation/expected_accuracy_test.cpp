@@ -22,6 +22,11 @@ struct Known {
     }
     ExpectedAccuracy expected(std::size_t num_segments = 1,
                               const KnownDistanceErrors* known_distances = nullptr) const {
+        const ScaleSources scale =
+            scale_sources({.known_distances = known_distances, .num_segments = num_segments},
+                          trajectory,
+                          optimise.path,
+                          optimise.loops);
         return expected_accuracy({.recording = recording,
                                   .trajectory = trajectory,
                                   .num_segments = num_segments,
@@ -29,7 +34,7 @@ struct Known {
                                   .covariances = covariances,
                                   .track = track,
                                   .optimise = optimise,
-                                  .known_distances = known_distances});
+                                  .scale = scale});
     }
 
     synthetic::SensorRecording recording;
@@ -109,12 +114,8 @@ TEST(ExpectedAccuracyTest, ALargeBoundAndAContradictedScaleAreFindings) {
         distances.distances.push_back({"", known_m, measured_m, 4, 4});
     distances.num_measured = 3;
     distances.scale_error = -0.05;
-    const ExpectedAccuracy expected = expected_accuracy({.recording = known.recording,
-                                                         .trajectory = known.trajectory,
-                                                         .covariances = {},
-                                                         .track = known.track,
-                                                         .optimise = known.optimise,
-                                                         .known_distances = &distances});
+    known.covariances.clear();
+    const ExpectedAccuracy expected = known.expected(1, &distances);
     ASSERT_EQ(expected.findings.size(), 1U);
     EXPECT_EQ(expected.findings[0].code, "scale_contradicted");
     EXPECT_NE(expected.findings[0].message.find("5.3 % longer"), std::string::npos);

@@ -190,7 +190,7 @@ TEST_F(KnownDistancesTest, SigmaIsTheScatterOfLengthsByNoisyMarks) {
         const auto measured =
             measure_known_distances({marked}, nullptr, rig_, {truth_, known_well}).distances[0];
         squares_of_errors += std::pow(measured.measured_m.value() - bar_.distance_m, 2);
-        const double by_calibration = kCalibrationSigma * bar_.distance_m;
+        const double by_calibration = types::kCalibrationSigma * bar_.distance_m;
         variances += std::pow(measured.sigma_m.value(), 2) - by_calibration * by_calibration;
     }
     EXPECT_NEAR(std::sqrt(squares_of_errors / variances), 1.0, 0.15);

@@ -236,6 +236,32 @@ TEST(MeasureBarsTest, ABarThatIsWrongIsToldAndTheScaleIsOfTheOthers) {
     EXPECT_THAT(codes(metrics), testing::ElementsAre("scale_bar_inconsistent"));
 }
 
+BarMetrics printed(double known_m, double measured_m, double known_sigma_m) {
+    BarMetrics size = bar(known_m, measured_m, std::hypot(1e-4, known_sigma_m));
+    size.is_printed_size = true;
+    size.known_sigma_m = known_sigma_m;
+    return size;
+}
+
+// Six tags of 160 mm that a printer made 3 % smaller.
+TEST(MeasureBarsTest, SizesThatNobodyMeasuredOnThePrintScaleNothingUnasked) {
+    std::vector<BarMetrics> bars(6, printed(0.16, 0.97 * 0.16, 0.0));
+    EXPECT_NEAR(scale_of(bars)->factor, 1.0 / 0.97, 1e-9);
+    const auto alone = trusted_scale(bars);
+    ASSERT_TRUE(alone);
+    EXPECT_LT(std::abs(alone->factor - 1.0), 3.0 * alone->sigma);
+
+    bars.push_back(bar(0.5, 0.5, 1e-3));
+    const auto beside_a_bar = trusted_scale(bars);
+    EXPECT_NEAR(beside_a_bar->factor, 1.0, 1e-9);
+    EXPECT_EQ(beside_a_bar->num_bars, 1);
+
+    const std::vector<BarMetrics> stated(6, printed(0.16, 0.97 * 0.16, 2e-4));
+    EXPECT_NEAR(trusted_scale(stated)->factor, 1.0 / 0.97, 1e-9);
+    EXPECT_LT(trusted_scale(stated)->sigma, 1e-3);
+    EXPECT_FALSE(trusted_scale({}));
+}
+
 TEST(MeasureBarsTest, AWorldThatIsOnePercentTooSmallIsToldAndScaled) {
     MarkerSwim swim(6);
     const auto views = swim.views(0.05);

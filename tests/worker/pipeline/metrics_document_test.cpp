@@ -37,7 +37,7 @@ MetricsInput plain_dive() {
     MetricsInput input;
     input.version = "0.1.0";
     input.preset = "paper";
-    input.rig = rig();
+    input.rig = input.used_rig = rig();
     input.track.num_frames = 100;
     input.track.num_frames_tracked = 90;
     input.segments = {{100, 20, 3.5, {{0, 9'900'000'000}}}};
@@ -107,8 +107,9 @@ MetricsInput dive_with_everything() {
                         &expected.reprojection_rms_px})
         *value = 0.01;
     expected.covariance_scale = 1.0;
-    expected.accelerometer = expected.pressure = expected.known_distances =
-        evaluation::ScaleCheck{1.01, 0.02};
+    for (const char* name : {"markers", "accelerometer", "pressure", "known_distances"})
+        expected.scales.push_back({name, {1.01, 0.02}});
+    input.scale_correction = evaluation::combined_scale({expected.scales[0]}, 0.003);
     expected.surface = evaluation::ExpectedSurface{0.1, 0.2, 0.7, 0.003, 0.02, 0.01};
     expected.left_out = {{"trajectory.loops", "none"}};
     input.expected = expected;

@@ -18,14 +18,10 @@ TEST(SegmentsFindingTest, TellsNumberAndLengths) {
 
 TEST(ScaleFindingTest, AnySensorOrKnownLengthTestsTheScale) {
     evaluation::ExpectedAccuracy expected;
-    ASSERT_TRUE(scale_finding(expected, std::nullopt));
-    EXPECT_EQ(scale_finding(expected, std::nullopt)->code, "scale_untested");
-    EXPECT_TRUE(scale_finding(expected, markers::MarkerMetrics{}));
-    markers::MarkerMetrics markers;
-    markers.scale = markers::MarkerScale{};
-    EXPECT_FALSE(scale_finding(expected, markers));
-    expected.pressure = evaluation::ScaleCheck{};
-    EXPECT_FALSE(scale_finding(expected, std::nullopt));
+    ASSERT_TRUE(scale_finding(expected));
+    EXPECT_EQ(scale_finding(expected)->code, "scale_untested");
+    expected.scales.push_back({"markers", {}});
+    EXPECT_FALSE(scale_finding(expected));
 }
 
 TEST(BoundsFindingTest, OnlyOfAConnectedPath) {

@@ -13,7 +13,10 @@
 #include "schemas/error.hpp"
 #include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
+#include "worker/camera/projection.hpp"
+#include "worker/io/covariance_file.hpp"
 #include "worker/io/ply.hpp"
+#include "worker/io/rig_json.hpp"
 #include "worker/io/trajectory_file.hpp"
 
 namespace divemesh::report {
@@ -189,6 +192,54 @@ TEST_F(AccuracyReportTest, TagsAndTheLengthsBetweenThemAreShownAndAreMetrics) {
     EXPECT_EQ(metric(report, std::string("markers.bars[") + kHostileName + "].error_mm")["value"],
               1.0);
     EXPECT_NE(read("report.html").find("Length between tags"), std::string::npos);
+}
+
+// Two ends of a length that cameras saw whose lenses, mounting and baseline are not as stated.
+TEST_F(AccuracyReportTest, LengthsAreMeasuredWithTheRigAndTheScaleOfTheResult) {
+    types::Rig used;
+    used.cam0 = {640, 480, 505.0, 506.0, 318.0, 243.0, types::Distortion::RadialTangential};
+    used.cam0.distortion_coefficients = {-0.12, 0.03, 0.001, -0.002};
+    used.cam1 = used.cam0;
+    used.cam1.cx_px = 324.0;
+    used.T_imu_cam0.linear() =
+        Eigen::AngleAxisd(3.1, Eigen::Vector3d(1.0, 0.02, 0.01).normalized()).toRotationMatrix();
+    used.T_imu_cam1 = used.T_imu_cam0 * Eigen::Translation3d(0.1234, 0.001, -0.002);
+    constexpr double kScaleSigma = 0.004;
+    json metrics = json::parse(std::ifstream(folder_ / "result/metrics.json"));
+    metrics["calibration"]["rig"] = io::to_json(used);
+    metrics["calibration"]["scale_sigma"] = kScaleSigma;
+    std::ofstream(folder_ / "result/metrics.json") << metrics;
+    const types::Trajectory path = sway(0.0, Eigen::Vector3d::Zero());
+    types::CovarianceTrack exact;
+    for (const types::StampedPose& pose : path)
+        exact.push_back({.timestamp_ns = pose.timestamp_ns});
+    io::write_covariances(folder_ / "result/trajectory_covariance.csv", exact);
+    const Eigen::Vector3d ends[] = {{0.8, 0.9, 0.0}, {1.2, 1.2, 0.1}};
+    json known = {{"name", "rib"}, {"distance_m", (ends[1] - ends[0]).norm()}};
+    for (const int end : {0, 1}) {
+        json& marks = known[end == 0 ? "marks_a" : "marks_b"];
+        for (std::size_t i = 0; i < path.size(); i += 10) {
+            json mark = {{"timestamp_ns", path[i].timestamp_ns}};
+            for (const bool right : {false, true}) {
+                const auto pixel = camera::project(
+                    right ? used.cam1 : used.cam0,
+                    (path[i].T_world_imu * (right ? used.T_imu_cam1 : used.T_imu_cam0)).inverse() *
+                        ends[end]);
+                if (pixel) mark[right ? "right" : "left"] = {pixel->x(), pixel->y()};
+            }
+            if (mark.contains("left")) marks.push_back(mark);
+        }
+    }
+    std::ofstream(folder_ / "lengths.json") << json{{"distances", json::array({known})}};
+    request_.measurements = folder_ / "lengths.json";
+    const json report = make();
+    EXPECT_TRUE(is_valid(report));
+    const std::string rib = "known_distances.distances[rib].";
+    const double known_m = known["distance_m"];
+    EXPECT_NEAR(metric(report, rib + "measured_m")["value"].get<double>(), known_m, 1e-6);
+    EXPECT_NEAR(metric(report, rib + "interval95_m[1]")["value"].get<double>() - known_m,
+                1.96 * kScaleSigma * known_m,
+                1e-6);
 }
 
 TEST_F(AccuracyReportTest, AreasGiveReefMetricsWithIntervalsToRequire) {

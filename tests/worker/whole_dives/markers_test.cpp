@@ -77,7 +77,19 @@ TEST_F(MarkedDiveTest, AWrongBaselineIsCorrectedWhereTheMarkersContradictIt) {
     const auto& correction = metrics["calibration"]["scale_correction"];
     EXPECT_NEAR(correction["factor"].get<double>(), 1.0 / kStatedTooLong, 0.003);
     EXPECT_TRUE(correction["sources"].contains("markers"));
-    EXPECT_NEAR(metrics["trajectory"]["final"]["sim3_scale"].get<double>(), 1.0, 0.004);
+    const auto& path = metrics["trajectory"]["final"];
+    EXPECT_NEAR(path["sim3_scale"].get<double>(), 1.0, 0.004);
+    const double sigma = metrics["calibration"]["scale_sigma"];
+    // The correction's own, with what the drift of the poses adds.
+    EXPECT_GE(sigma * correction["factor"].get<double>(), correction["sigma"].get<double>());
+    EXPECT_LT(sigma, 0.004);
+    EXPECT_LT(std::abs(path["sim3_scale"].get<double>() - 1.0), 3.0 * sigma);
+    const auto& bounds = metrics["expected_accuracy"]["trajectory"];
+    EXPECT_LT(path["ate_rmse_m"].get<double>(), bounds["ate"]["bound_m"].get<double>());
+    EXPECT_LT(path["end_drift_m"].get<double>(), bounds["end_position"]["bound_m"].get<double>());
+    const double true_m = simulator::draw_rig(kWidth_px, kHeight_px, 1).baseline_m();
+    const types::Rig used = io::ReconstructionFolder(*folder_ / "auto").rig().value();
+    EXPECT_NEAR(used.baseline_m() / true_m, 1.0, 3.0 * sigma);
     EXPECT_TRUE(std::any_of(
         metrics["findings"].begin(), metrics["findings"].end(), [](const auto& finding) {
             return finding["code"] == "scale_corrected";

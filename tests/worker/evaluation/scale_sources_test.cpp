@@ -1,0 +1,84 @@
+#include "worker/evaluation/scale_sources.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "worker/evaluation/combined_scale.hpp"
+
+namespace divemesh::evaluation {
+namespace {
+
+constexpr double kCamerasSigma = 0.003;
+
+// A path of a minute up and down, and the depth that a recorder states whose density is `density`
+// times the water's.
+struct UpAndDown {
+    explicit UpAndDown(double density) {
+        for (int i = 0; i <= 600; ++i) {
+            const std::int64_t time_ns = i * std::int64_t{100'000'000};
+            types::StampedPose pose{time_ns, Eigen::Isometry3d::Identity()};
+            pose.T_world_imu.translation() =
+                Eigen::Vector3d(0.03 * i, std::sin(0.13 * i), 0.8 * std::sin(0.04 * i));
+            trajectory.push_back(pose);
+            data.pressure.push_back(
+                {time_ns,
+                 (7.0 - pose.T_world_imu.translation().z() + 1e-3 * std::sin(37.0 * i)) / density});
+        }
+        path.scale_sigma = kCamerasSigma;
+    }
+    ScaleSources sources() const { return scale_sources(data, trajectory, path, {}); }
+
+    LengthData data;
+    types::Trajectory trajectory;
+    types::PathUncertainty path;
+};
+
+bool left_out(const ScaleSources& sources, const std::string& metric, const std::string& reason) {
+    return std::any_of(sources.left_out.begin(), sources.left_out.end(), [&](const LeftOut& left) {
+        return left.metric == metric && left.reason.find(reason) != std::string::npos;
+    });
+}
+
+TEST(ScaleSourcesTest, ARecorderSetToTheWrongWaterCorrectsNothing) {
+    for (const double density : {0.97, 1.0, 1.025, 1.03}) {
+        const ScaleSources sources = UpAndDown(density).sources();
+        ASSERT_EQ(sources.told.size(), 1U);
+        EXPECT_EQ(sources.told[0].name, "pressure");
+        EXPECT_NEAR(sources.told[0].check.scale, 1.0 / density, 2e-3);
+        EXPECT_FALSE(scale_correction(sources.told, kCamerasSigma)) << density;
+    }
+    // No water is as heavy as that.
+    EXPECT_TRUE(scale_correction(UpAndDown(1.09).sources().told, kCamerasSigma));
+}
+
+TEST(ScaleSourcesTest, ACheckIsJudgedByItsOwnSigma) {
+    UpAndDown dive(1.0);
+    dive.path.scale_sigma = 0.5;
+    EXPECT_EQ(dive.sources().told.size(), 1U);
+    dive.path.vertical_scale_sigma = 0.2;
+    EXPECT_TRUE(dive.sources().told.empty());
+    EXPECT_TRUE(left_out(dive.sources(), "scale.pressure", "20.2 %"));
+    dive.path.vertical_scale_sigma = 0.05;
+    EXPECT_EQ(dive.sources().told.size(), 1U);
+    types::LoopStatistics loops;
+    loops.num_accepted = 1;
+    loops.residual_sigmas = 3.0;
+    EXPECT_TRUE(scale_sources(dive.data, dive.trajectory, dive.path, loops).told.empty());
+}
+
+TEST(ScaleSourcesTest, SegmentsHaveNoMotionInCommon) {
+    UpAndDown dive(1.0);
+    dive.data.markers = ScaleCheck{0.99, 0.002};
+    dive.data.num_segments = 2;
+    const ScaleSources sources = dive.sources();
+    ASSERT_EQ(sources.told.size(), 1U);
+    EXPECT_EQ(sources.told[0].name, "markers");
+    EXPECT_TRUE(left_out(sources, "scale.pressure", "several segments"));
+    EXPECT_TRUE(left_out(sources, "scale.accelerometer", "several segments"));
+    EXPECT_TRUE(left_out(sources, "scale.known_distances", "three"));
+}
+
+}  // namespace
+}  // namespace divemesh::evaluation

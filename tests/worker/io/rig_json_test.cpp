@@ -1,0 +1,39 @@
+#include "worker/io/rig_json.hpp"
+
+#include <gtest/gtest.h>
+
+#include "schemas/error.hpp"
+
+namespace divemesh::io {
+namespace {
+
+TEST(RigJsonTest, GivesBackTheRigThatWasWritten) {
+    types::Rig rig;
+    rig.cam0 = {640, 480, 490.5, 491.25, 320.0, 240.5, types::Distortion::Equidistant};
+    rig.cam0.distortion_coefficients = {0.1, -0.02, 0.003, -0.0004};
+    rig.cam1 = {641, 481, 488.0, 489.0, 318.0, 241.0, types::Distortion::None};
+    rig.T_imu_cam0.rotate(Eigen::AngleAxisd(2.0, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()));
+    rig.T_imu_cam0.translation() = Eigen::Vector3d(0.1, -0.2, 0.3);
+    rig.T_imu_cam1.translation().x() = 0.12;
+
+    const types::Rig read = rig_from_json(nlohmann::json::parse(to_json(rig).dump()));
+
+    EXPECT_TRUE(read.T_imu_cam0.isApprox(rig.T_imu_cam0, 1e-12));
+    EXPECT_TRUE(read.T_imu_cam1.isApprox(rig.T_imu_cam1, 1e-12));
+    EXPECT_EQ(read.cam0.fy_px, 491.25);
+    EXPECT_EQ(read.cam0.cy_px, 240.5);
+    EXPECT_EQ(read.cam0.distortion, types::Distortion::Equidistant);
+    EXPECT_EQ(read.cam0.distortion_coefficients, rig.cam0.distortion_coefficients);
+    EXPECT_EQ(read.cam1.width_px, 641);
+    EXPECT_EQ(read.cam1.height_px, 481);
+    EXPECT_EQ(read.cam1.distortion, types::Distortion::None);
+}
+
+TEST(RigJsonTest, RefusesALensThatItDoesNotKnow) {
+    nlohmann::json entry = to_json(types::Rig());
+    entry["cam1"]["distortion_model"] = "magic";
+    EXPECT_THROW(rig_from_json(entry), Error);
+}
+
+}  // namespace
+}  // namespace divemesh::io

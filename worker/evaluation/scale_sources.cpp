@@ -1,0 +1,92 @@
+#include "worker/evaluation/scale_sources.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "worker/base/text.hpp"
+#include "worker/optimisation/expected_path_error.hpp"
+
+namespace divemesh::evaluation {
+namespace {
+
+constexpr double kMaxSigma = 0.1;                   // beyond it a check is not informative
+constexpr double kAccelerometerScaleSigma = 0.003;  // of the sensor itself
+// Recorders turn pressure into depth with the density that they are set to: fresh and sea water
+// differ by 2.5 to 3 %.
+constexpr double kPressureScaleSigma = 0.025;
+
+// Returns the error of distant positions: they err independently, each by a third of the mean
+// square along a line.
+PathError path_error(const types::Trajectory& trajectory, const types::PathUncertainty& path) {
+    Eigen::AlignedBox3d box;
+    for (const types::StampedPose& pose : trajectory) box.extend(pose.T_world_imu.translation());
+    return {std::numbers::sqrt2 * optimisation::shared_sigma_m(path),
+            box.isEmpty() ? 0.0 : box.diagonal().norm()};
+}
+
+// Collects the checks.
+class Collector {
+public:
+    // Adds a check whose source itself errs by `own_sigma`; `why_not` is the reason if there is
+    // none.
+    void add(const std::string& name,
+             std::optional<ScaleCheck> check,
+             double own_sigma,
+             const std::string& why_not) {
+        if (!check) return leave_out(name, why_not);
+        check->sigma = std::hypot(check->sigma, own_sigma);
+        if (check->sigma > kMaxSigma)
+            return leave_out(name,
+                             "the motion determines too little: sigma would be " +
+                                 base::fixed(100.0 * check->sigma, 1) + " % of the scale");
+        result_.told.push_back({name, *check});
+    }
+    void leave_out(const std::string& name, const std::string& reason) {
+        result_.left_out.push_back({"scale." + name, reason});
+    }
+    ScaleSources take() { return std::move(result_); }
+
+private:
+    ScaleSources result_;
+};
+
+}  // namespace
+
+double covariance_scale(const types::LoopStatistics& loops) {
+    return loops.num_accepted > 0 ? std::max(1.0, loops.residual_sigmas) : 1.0;
+}
+
+ScaleSources scale_sources(const LengthData& lengths,
+                           const types::Trajectory& trajectory,
+                           const types::PathUncertainty& path,
+                           const types::LoopStatistics& loops) {
+    Collector collector;
+    if (lengths.markers) collector.add("markers", lengths.markers, 0.0, "");
+    if (lengths.num_segments > 1) {
+        for (const char* name : {"accelerometer", "pressure"})
+            collector.leave_out(name, "the dive has several segments");
+    } else {
+        collector.add("accelerometer",
+                      scale_by_accelerometer(lengths.imu, trajectory),
+                      kAccelerometerScaleSigma,
+                      lengths.imu.empty() ? "the dive has no IMU, or its accelerometer is not used"
+                                          : "the IMU covers too little of the dive without a gap");
+        collector.add(
+            "pressure",
+            scale_by_pressure(
+                lengths.pressure, trajectory, covariance_scale(loops) * path.vertical_scale_sigma),
+            kPressureScaleSigma,
+            lengths.pressure.empty() ? "the dive has no pressure sensor, or it is not used"
+                                     : "the pressure sensor covers too little of the dive");
+    }
+    collector.add("known_distances",
+                  lengths.known_distances
+                      ? scale_by_distances(*lengths.known_distances, path_error(trajectory, path))
+                      : std::nullopt,
+                  0.0,
+                  "fewer than three known distances could be measured");
+    return collector.take();
+}
+
+}  // namespace divemesh::evaluation

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "worker/evaluation/known_distances.hpp"
+#include "worker/evaluation/scale_check.hpp"
+#include "worker/types/loop_statistics.hpp"
+#include "worker/types/path_uncertainty.hpp"
+#include "worker/types/recording.hpp"
+
+namespace divemesh::evaluation {
+
+// A metric that cannot be given, and the reason.
+struct LeftOut {
+    std::string metric;
+    std::string reason;
+};
+
+// A sensor that measures lengths, and its scale against the cameras.
+struct ScaleSource {
+    std::string name;  // in metrics.json
+    ScaleCheck check;
+};
+
+// What measured lengths beside the cameras; without data, or if they must not be used, empty.
+struct LengthData {
+    std::vector<types::ImuSample> imu;  // on the cameras' clock
+    std::vector<types::PressureSample> pressure;
+    std::optional<ScaleCheck> markers;                     // known distances between them
+    const KnownDistanceErrors* known_distances = nullptr;  // of measurements.json
+    std::size_t num_segments = 1;                          // of the dive
+};
+
+// What all sources say of the scale, without the error of the cameras' own scale.
+struct ScaleSources {
+    std::vector<ScaleSource> told;  // to 10 % or better
+    std::vector<LeftOut> left_out;  // the others
+};
+
+// Returns the factor on the standard deviations of a path, by how far it misses its closed loops; 1
+// without loops, as there are no residuals then.
+double covariance_scale(const types::LoopStatistics& loops);
+
+// Returns what each source says of the scale of a path. All judgements of the scale read this: its
+// correction and what is stated of it.
+ScaleSources scale_sources(const LengthData& lengths,
+                           const types::Trajectory& trajectory,
+                           const types::PathUncertainty& path,
+                           const types::LoopStatistics& loops);
+
+}  // namespace divemesh::evaluation

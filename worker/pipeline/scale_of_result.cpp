@@ -1,0 +1,76 @@
+#include "worker/pipeline/scale_of_result.hpp"
+
+#include <cmath>
+
+#include "worker/evaluation/scaled_uncertainty.hpp"
+#include "worker/evaluation/tracking_segments.hpp"
+#include "worker/imu/estimate_alignment.hpp"
+#include "worker/pipeline/stage_functions.hpp"
+
+namespace divemesh::pipeline {
+namespace {
+
+std::vector<types::ImuSample> usable_imu(const Reconstruction& made) {
+    const types::SensorsLeftOut& left_out = made.track.left_out;
+    if (!made.options().use_imu || left_out.imu || left_out.accelerometer) return {};
+    return imu::aligned(made.recording.imu(),
+                        {made.optimised.calibration.applied_alignment().time_offset_s});
+}
+
+std::optional<evaluation::ScaleCheck> by_markers(const Reconstruction& made) {
+    if (!made.markers || !made.markers->trusted_scale) return std::nullopt;
+    const markers::MarkerScale& scale = *made.markers->trusted_scale;
+    return evaluation::ScaleCheck{scale.factor,
+                                  std::hypot(scale.sigma, made.markers->systematic_scale_sigma)};
+}
+
+void apply(const markers::WorldScale& scale, types::OptimisedTrack& optimised) {
+    optimised.keyframes = scale.applied(optimised.keyframes, optimised.trajectory);
+    optimised.mapped = scale.applied(optimised.mapped, optimised.trajectory);
+    optimised.predicted = scale.applied(optimised.predicted, optimised.trajectory);
+    optimised.trajectory = scale.applied(optimised.trajectory);
+    optimised.covariances = scale.applied(optimised.covariances);
+}
+
+// Replaces the error of the scale by `sigma`, after the scaling.
+void replace_scale_error(double factor, double sigma, types::OptimisedTrack& optimised) {
+    types::PathUncertainty& path = optimised.statistics.path;
+    optimised.covariances = evaluation::with_scale_sigma(
+        optimised.covariances,
+        evaluation::ways_from_start(optimised.trajectory, optimised.keyframes, optimised.breaks_ns),
+        path.shared_scale_sigma,
+        sigma);
+    path = evaluation::scaled(path, factor, sigma);
+}
+
+}  // namespace
+
+evaluation::ScaleSources scale_sources(const Reconstruction& made) {
+    const types::OptimisedTrack& optimised = made.optimised;
+    const auto& known = made.evaluation.known_distances;
+    return evaluation::scale_sources(
+        {.imu = usable_imu(made),
+         .pressure = made.options().use_pressure ? made.recording.pressure()
+                                                 : std::vector<types::PressureSample>(),
+         .markers = by_markers(made),
+         .known_distances = known ? &*known : nullptr,
+         .num_segments =
+             evaluation::segments_of(optimised.trajectory, optimised.keyframes, optimised.breaks_ns)
+                 .size()},
+        optimised.trajectory,
+        optimised.statistics.path,
+        optimised.statistics.loops);
+}
+
+void scale_result(double factor, double sigma, Reconstruction& made) {
+    made.scale.emplace(factor, made.optimised.rig.T_imu_cam);
+    apply(*made.scale, made.optimised);
+    replace_scale_error(factor, sigma / factor, made.optimised);
+    made.optimised.rig.baseline_m *= factor;
+    made.track.causal =
+        markers::WorldScale(factor, made.track.rig.T_imu_cam).applied(made.track.causal);
+    made.track.statistics.median_depth_m *= factor;
+    write_trajectories(made);
+}
+
+}  // namespace divemesh::pipeline

@@ -1,0 +1,17 @@
+#pragma once
+
+#include "worker/evaluation/scale_sources.hpp"
+#include "worker/pipeline/reconstruction.hpp"
+
+namespace divemesh::pipeline {
+
+// Returns what all that measured lengths beside the cameras says of the scale of the result as it
+// is: before the scale is corrected, and of what is given out. Known distances count once they are
+// evaluated.
+evaluation::ScaleSources scale_sources(const Reconstruction& made);
+
+// Scales the result: every pose, and what is known of the error of its scale. `sigma` is that of
+// the factor. Poses must not have been used yet, so that all results have the same scale.
+void scale_result(double factor, double sigma, Reconstruction& made);
+
+}  // namespace divemesh::pipeline
