@@ -8,6 +8,7 @@
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
 #include "worker/optimisation/global_bundle_adjustment.hpp"
+#include "worker/optimisation/residual_field.hpp"
 
 namespace divemesh::optimisation {
 namespace {
@@ -20,6 +21,7 @@ constexpr std::int64_t kEveryNthPoint = 5;
 
 constexpr double kDisparityBias_px = 0.03;  // standard deviation
 constexpr double kClockSigma_s = 1e-3;
+constexpr double kTriangulationSigma = 0.0015;  // of the scale
 
 // Returns what an error of all disparities does to a measurement.
 Eigen::Matrix3Xd shift_of(const Eigen::Vector3d& /*measured_px*/) {
@@ -33,11 +35,12 @@ CalibrationUncertainty calibration() {
 }
 
 // The path of stereo_world.hpp, with errors of features, gyroscope, accelerometer, cameras and
-// clocks as large as the bundle adjustment assumes; no images.
+// clocks as large as the bundle adjustment assumes, and a field of errors fixed in the image; no
+// images.
 class NoisyDive {
 public:
     // The IMU is recorded so much longer at both ends.
-    explicit NoisyDive(double margin_s) {
+    NoisyDive(double margin_s, double field_sigma_px) : field_sigma_px_(field_sigma_px) {
         recording_.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
         exact_ =
             synthetic::imu_along(synthetic::T_world_imu_at, -margin_s, kDuration_s + margin_s, {});
@@ -64,6 +67,8 @@ public:
                 accelerometer_bias + sigma.accelerometer_noise_density * root_rate * noise();
         }
         const double disparity_bias_px = kDisparityBias_px * normal(random);
+        Eigen::Matrix<double, kFieldSize, 1> nodes_px;
+        for (double& node_px : nodes_px) node_px = field_sigma_px_ * normal(random);
         synthetic::World world(0.03 * kStep * kNumKeyframes, 0.0, seed);
         std::vector<types::Keyframe> keyframes;
         std::map<std::int64_t, types::Landmark> seen;
@@ -74,8 +79,11 @@ public:
             if (k > 0) keyframes.back().T_world_cam.translation() += 0.005 * noise();
             for (types::Feature feature : world.see(T_world_cam, frame, 0.0)) {
                 if (feature.id % kEveryNthPoint != 0) continue;
+                const Eigen::Vector3d measured_px(
+                    feature.pixel.x(), feature.pixel.y(), feature.disparity_px);
                 const Eigen::Vector3d error = types::kFeatureSigma_px.cwiseProduct(noise()) +
-                                              disparity_bias_px * Eigen::Vector3d::UnitZ();
+                                              disparity_bias_px * Eigen::Vector3d::UnitZ() +
+                                              by_field(synthetic::rig(), measured_px) * nodes_px;
                 feature.pixel += error.head<2>();
                 feature.disparity_px += error.z();
                 const Eigen::Vector3d p =
@@ -92,7 +100,7 @@ public:
         for (auto& [id, landmark] : seen)
             if (landmark.observations.size() > 1) landmarks.push_back(std::move(landmark));
         types::RectifiedRig rig = synthetic::rig();
-        rig.baseline_m *= 1.0 + 0.001 * normal(random);
+        rig.baseline_m *= 1.0 + kTriangulationSigma * normal(random);
         const GlobalBundleAdjustment adjusted = adjust_globally(rig,
                                                                 imu::InertialPrior(recording_, {}),
                                                                 keyframes,
@@ -119,26 +127,41 @@ private:
         return error.dot(covariances.at(kNumKeyframes).position_m2.ldlt().solve(error));
     }
 
+    double field_sigma_px_;
     synthetic::SensorRecording recording_;
     std::vector<types::ImuSample> exact_;
 };
 
-class PoseCovarianceTest : public testing::TestWithParam<double> {};
-
-TEST_P(PoseCovarianceTest, IsAsLargeAsTheErrorsOfAHundredRuns) {
-    NoisyDive dive(GetParam());
+// Returns the mean over a hundred runs.
+double mean_nees(double margin_s, double field_sigma_px) {
+    NoisyDive dive(margin_s, field_sigma_px);
     double mean = 0.0;
     for (int run = 0; run < kNumRuns; ++run)
         mean += dive.nees(static_cast<std::uint32_t>(run + 1)) / kNumRuns;
+    return mean;
+}
 
-    // The 95 % interval of chi-square with 300 degrees of freedom, divided by 100.
-    EXPECT_GT(mean, 2.539);
-    EXPECT_LT(mean, 3.499);
+// The 95 % interval of chi-square with 300 degrees of freedom, divided by 100.
+constexpr double kMinNees = 2.539;
+constexpr double kMaxNees = 3.499;
+
+class PoseCovarianceTest : public testing::TestWithParam<double> {};
+
+TEST_P(PoseCovarianceTest, IsAsLargeAsTheErrorsOfAHundredRuns) {
+    const double mean = mean_nees(GetParam(), 0.0);
+    EXPECT_GT(mean, kMinNees);
+    EXPECT_LT(mean, kMaxNees);
 }
 
 INSTANTIATE_TEST_SUITE_P(SecondsOfImuBeyondTheFrames,
                          PoseCovarianceTest,
                          testing::Values(0.1, 0.006));
+
+TEST(LensFieldTest, WhatLensesLeaveInTheImageIsInTheCovariance) {
+    const double mean = mean_nees(0.1, 0.2);
+    EXPECT_GT(mean, kMinNees);
+    EXPECT_LT(mean, kMaxNees);
+}
 
 }  // namespace
 }  // namespace divemesh::optimisation
