@@ -53,6 +53,7 @@ double reprojection_rms_px(const types::RectifiedRig& rig,
 
 struct Uncertainty {
     types::CovarianceTrack covariances;
+    types::CovarianceTrack drift;  // with the calibration taken as exact
     types::PathUncertainty path;
 };
 
@@ -125,6 +126,10 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
             {keyframes[chosen[i]].timestamp_ns,
              R_world_first.transpose() * position_m2 * R_world_first,
              R_world_first.transpose() * in_world.states[i].rotation_rad2 * R_world_first});
+        const auto at = 3 * static_cast<Eigen::Index>(i);
+        result.drift.push_back(result.covariances.back());
+        result.drift.back().position_m2 =
+            R_world_first.transpose() * in_world.positions_m2.block<3, 3>(at, at) * R_world_first;
     }
     result.path = after_alignment(positions, whole_m2);
     result.path.vertical_scale_sigma = vertical_scale_sigma(positions, in_world.positions_m2);
@@ -175,6 +180,7 @@ GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
     for (types::Landmark& landmark : landmarks) landmark.p_world = q_level_world * landmark.p_world;
     return {reprojection_rms_px(rig, keyframes, landmarks, stride),
             std::move(uncertainty.covariances),
+            std::move(uncertainty.drift),
             uncertainty.path,
             std::move(outcome),
             stride};

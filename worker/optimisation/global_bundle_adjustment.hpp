@@ -20,6 +20,7 @@ namespace divemesh::optimisation {
 struct GlobalBundleAdjustment {
     double reprojection_rms_px = 0.0;
     types::CovarianceTrack covariances;  // of keyframes over the whole dive; empty: not determined
+    types::CovarianceTrack drift;        // the same with the calibration taken as exact
     types::PathUncertainty path;         // of the keyframes' positions
     types::SolverOutcome outcome;
     std::size_t landmark_stride = 1;  // every n-th landmark was adjusted

@@ -172,8 +172,12 @@ bool TrackOptimiser::adjust(types::Track closed) {
     types::TrackCheck& check = result_.statistics.check;
     check.before = agreement(track_, track_, adjusted.landmark_stride, drift_);
     check.after = agreement(closed, track_, adjusted.landmark_stride, drift_);
+    // Another calibration moves the path by more than its drift.
     check.moved_rms_sigmas =
-        moved_rms_sigmas(track_.keyframes, closed.keyframes, adjusted.covariances, drift_);
+        moved_rms_sigmas(track_.keyframes,
+                         closed.keyframes,
+                         result_.calibration.is_applied() ? adjusted.covariances : adjusted.drift,
+                         drift_);
     const bool better = !adjusted.outcome.failed() && !is_worse(check);
     if (better || adjusted.outcome.failed())
         add(solver_findings(
