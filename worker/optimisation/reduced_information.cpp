@@ -182,6 +182,8 @@ struct Score {
     Eigen::VectorXd g;
     Eigen::MatrixXd B;      // of the shared errors
     double num_free = 0.0;  // number of rows minus the landmark's unknowns
+    double weights = 0.0;   // sum of Huber's weights over the rows
+    double slopes = 0.0;    // sum of the derivatives of Huber's psi over the rows
 };
 
 // Returns the rows of the shared errors for observations' rows.
@@ -212,10 +214,17 @@ std::optional<Score> score_of(const Linearised& all,
     Rows rows = dense_rows(all.jacobian, good);
     Eigen::MatrixXd J_shared = shared_rows(all, good, shared);
     Eigen::VectorXd r(std::ssize(good));
+    double weights = 0.0;
+    double slopes = 0.0;
     for (std::size_t i = 0; i < good.size(); ++i) {
         const int first =
             *(std::upper_bound(observations.begin(), observations.end(), good[i]) - 1);
-        const double root = std::sqrt(std::min(1.0, huber / all.residual(first).norm()));
+        const double norm = all.residual(first).norm();
+        const double weight = std::min(1.0, huber / norm);
+        const double root = std::sqrt(weight);
+        const double across = 1.0 - 1.0 / all.num_measured(first);
+        weights += weight;
+        slopes += norm > huber ? weight * across : 1.0;
         const auto row = static_cast<Eigen::Index>(i);
         r[row] = root * all.residuals[static_cast<std::size_t>(good[i])];
         rows.J.row(row) *= root;
@@ -236,7 +245,9 @@ std::optional<Score> score_of(const Linearised& all,
                  rest.transpose() * rest,
                  std::sqrt(rows_per_free) * (rest.transpose() * r),
                  rest.transpose() * J_shared,
-                 num_free};
+                 num_free,
+                 weights,
+                 slopes};
 }
 
 // Adds J x to `sum`, row by row, for the rows that are not the cameras'.
@@ -313,6 +324,8 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
     std::vector<bool> seen(static_cast<std::size_t>(all.num_kept), false);
     double num_landmarks = 0.0;
     double num_free = 0.0;
+    double weights = 0.0;
+    double slopes = 0.0;
     for_each_landmark(all, others, [&](const std::vector<int>& observations) {
         const auto score = score_of(all, observations, huber, shared);
         if (!score) return;
@@ -323,8 +336,13 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
                 score->B.row(static_cast<Eigen::Index>(i));
         for (const int column : score->columns) seen[static_cast<std::size_t>(column)] = true;
         num_free += score->num_free;
+        weights += score->weights;
+        slopes += score->slopes;
         ++num_landmarks;
     });
+    // The scores change with the states by the slope of psi, which is less than the weights.
+    const double slope = weights > 0.0 ? slopes / weights : 1.0;
+    B *= slope;
     if (timed) {
         const Eigen::VectorXd rows = rows_by_time(problem, all, shared);
         for (Eigen::Index row = 0; row < rows.size(); ++row)
@@ -338,8 +356,10 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
     const auto num_fitted = static_cast<double>(std::count(seen.begin(), seen.end(), true));
     const double few = num_landmarks / std::max(1.0, num_landmarks - 1.0) * num_free /
                        std::max(1.0, num_free - num_fitted);
-    return {
-        cameras.sum() + others.sum(), few * scores.sum() + others.sum(), std::move(B), all.start};
+    return {slope * cameras.sum() + others.sum(),
+            few * scores.sum() + others.sum(),
+            std::move(B),
+            all.start};
 }
 
 }  // namespace divemesh::optimisation

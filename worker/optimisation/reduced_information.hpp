@@ -51,16 +51,22 @@ struct SharedJacobian {
 
 // The information about all blocks but the landmarks (H) and the variance of the landmarks' summed
 // scores (V). Each landmark's score counts as one sample, so any correlation of its errors between
-// images is included (Huber 1967; Liang and Zeger 1986). The inertial sensors are taken to have
-// their stated noise. The covariance is
+// images is included (Huber 1967; Liang and Zeger 1986). H is the derivative of the scores: beyond
+// Huber's bound a residual pulls with the same force however long it is, so it resists along its
+// direction not at all, and with its weight w only across it,
+//
+//     D = w (I - r r^T / |r|^2)
+//
+// which errors in all directions make w (m - 1) / m on average (m rows; Huber, "Robust Statistics",
+// 1981, 7.6). The inertial sensors are taken to have their stated noise. The covariance is
 //
 //     P = H^-1 V H^-1
 //
 // and an error e that all measurements share moves the solution by -H^-1 B e.
 struct ClusteredInformation {
-    Eigen::SparseMatrix<double> H_lower;  // J^T W J with Huber's weights
+    Eigen::SparseMatrix<double> H_lower;  // J^T D J, D: mean derivative of Huber's psi
     Eigen::SparseMatrix<double> V_lower;
-    Eigen::MatrixXd B;       // J^T W J_shared
+    Eigen::MatrixXd B;       // J^T D J_shared
     std::vector<int> start;  // of each kept block; -1: held constant
 };
 ClusteredInformation clustered_information(ceres::Problem& problem,

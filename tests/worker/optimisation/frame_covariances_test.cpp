@@ -22,6 +22,7 @@ constexpr std::int64_t kEveryNthPoint = 5;
 
 constexpr double kDisparityBias_px = 0.03;  // standard deviation
 constexpr double kClockSigma_s = 1e-3;
+constexpr double kTriangulationSigma = 0.0015;  // of the scale
 constexpr double kMargin_s = 0.1;
 
 // Returns what an error of all disparities does to a measurement.
@@ -94,7 +95,7 @@ public:
         for (auto& [id, landmark] : seen)
             if (landmark.observations.size() > 1) landmarks.push_back(std::move(landmark));
         types::RectifiedRig rig = synthetic::rig();
-        rig.baseline_m *= 1.0 + 0.001 * normal(random);
+        rig.baseline_m *= 1.0 + kTriangulationSigma * normal(random);
         const GlobalBundleAdjustment adjusted = adjust_globally(rig,
                                                                 imu::InertialPrior(recording_, {}),
                                                                 keyframes,
