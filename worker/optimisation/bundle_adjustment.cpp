@@ -13,6 +13,7 @@
 #include "worker/optimisation/ceres_outcome.hpp"
 #include "worker/optimisation/levenberg_marquardt.hpp"
 #include "worker/optimisation/reduced_information.hpp"
+#include "worker/optimisation/residual_field.hpp"
 #include "worker/optimisation/residuals/gyro_rotation_cost.hpp"
 #include "worker/optimisation/residuals/imu_preintegration_cost.hpp"
 #include "worker/optimisation/residuals/orientation_prior.hpp"
@@ -33,16 +34,25 @@ constexpr double kMinWalk = 1e-6;          // rad/s, m/s^2
 constexpr double kWindowTolerance = 1e-4;  // relative change of the cost
 constexpr double kDiveTolerance = 1e-5;
 
-// Returns L with L L^T the covariance of all errors, those of the cameras first, then the clock's.
-Eigen::MatrixXd root_of(const CalibrationUncertainty& calibration, bool timed) {
-    const Eigen::Index num = calibration.shift_px ? calibration.covariance.rows() : 0;
-    Eigen::MatrixXd root = Eigen::MatrixXd::Zero(num + (timed ? 1 : 0), num + (timed ? 1 : 0));
+Eigen::Index num_errors(const CalibrationUncertainty& calibration) {
+    return calibration.shift_px ? calibration.covariance.rows() : 0;
+}
+
+// Returns L with L L^T the covariance of all errors, those of the cameras first, then the residual
+// field's, then the clock's.
+Eigen::MatrixXd root_of(const CalibrationUncertainty& calibration,
+                        double field_sigma_px,
+                        bool timed) {
+    const Eigen::Index num = num_errors(calibration);
+    const Eigen::Index size = num + kFieldSize + (timed ? 1 : 0);
+    Eigen::MatrixXd root = Eigen::MatrixXd::Zero(size, size);
     if (num > 0) {
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(calibration.covariance);
         root.topLeftCorner(num, num) =
             parts.eigenvectors() * parts.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
     }
-    if (timed) root(num, num) = calibration.time_offset_sigma_s;
+    root.diagonal().segment<kFieldSize>(num).setConstant(field_sigma_px);
+    if (timed) root(size - 1, size - 1) = calibration.time_offset_sigma_s;
     return root;
 }
 
@@ -95,14 +105,15 @@ struct BundleAdjustment::Implementation {
 SharedJacobian BundleAdjustment::Implementation::shared_jacobian(
     const CalibrationUncertainty& calibration, const std::vector<BodyRates>& rates) const {
     SharedJacobian shared;
-    if (calibration.shift_px) {
-        shared.num_columns = static_cast<int>(calibration.covariance.rows());
-        shared.of_observation = [&](std::size_t observation) -> Eigen::Matrix3Xd {
-            const StereoReprojection& seen = graph.observations()[observation].reprojection;
-            return seen.sigma_px.cwiseInverse().asDiagonal() *
-                   calibration.shift_px(seen.measured_px);
-        };
-    }
+    const Eigen::Index num = num_errors(calibration);
+    shared.num_columns = static_cast<int>(num) + kFieldSize;
+    shared.of_observation = [&, num](std::size_t observation) -> Eigen::Matrix3Xd {
+        const StereoReprojection& seen = graph.observations()[observation].reprojection;
+        Eigen::Matrix3Xd shift(3, num + kFieldSize);
+        if (num > 0) shift.leftCols(num) = calibration.shift_px(seen.measured_px);
+        shift.rightCols<kFieldSize>() = by_field(rig, seen.measured_px);
+        return seen.sigma_px.cwiseInverse().asDiagonal() * shift;
+    };
     if (calibration.time_offset_sigma_s <= 0.0 || rates.size() != states.size()) return shared;
     std::vector<int> start;
     int size = 0;
@@ -313,9 +324,12 @@ JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& sta
         unit.middleRows<3>(start_of(block)).setIdentity();
         return factor.solve(unit);
     };
+    const Eigen::MatrixXd moved_by_errors = factor.solve(information.B);
+    const double field_sigma_px =
+        std::sqrt(field_variance(information, moved_by_errors, num_errors(calibration)));
     // One column per independent error of the calibration.
     const Eigen::MatrixXd by_calibration =
-        factor.solve(information.B) * root_of(calibration, jacobian.by_time.size() > 0);
+        moved_by_errors * root_of(calibration, field_sigma_px, jacobian.by_time.size() > 0);
     const auto shared = [&](const double* block) -> Eigen::MatrixXd {
         if (start_of(block) < 0) return Eigen::MatrixXd::Zero(3, by_calibration.cols());
         return by_calibration.middleRows<3>(start_of(block));

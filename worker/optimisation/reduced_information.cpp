@@ -180,7 +180,9 @@ struct Score {
     std::vector<int> columns;
     Eigen::MatrixXd H;
     Eigen::VectorXd g;
-    Eigen::MatrixXd B;      // of the shared errors
+    Eigen::MatrixXd B;  // of the shared errors
+    Eigen::MatrixXd H_shared;
+    Eigen::VectorXd g_shared;
     double num_free = 0.0;  // number of rows minus the landmark's unknowns
     double weights = 0.0;   // sum of Huber's weights over the rows
     double slopes = 0.0;    // sum of the derivatives of Huber's psi over the rows
@@ -237,14 +239,17 @@ std::optional<Score> score_of(const Linearised& all,
     if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() <= 0.0) return std::nullopt;
     const Eigen::MatrixXd C = rows.J.leftCols(num_kept);
     const Eigen::MatrixXd rest = C - A * factor.solve(A.transpose() * C);
+    J_shared -= A * factor.solve(A.transpose() * J_shared);
     rows.columns.resize(static_cast<std::size_t>(num_kept));
     // Fitting the landmark makes its residuals too small; this corrects for it.
     const auto num_free = static_cast<double>(good.size() - kLandmarkSize);
-    const double rows_per_free = static_cast<double>(good.size()) / num_free;
+    r *= std::sqrt(static_cast<double>(good.size()) / num_free);
     return Score{rows.columns,
                  rest.transpose() * rest,
-                 std::sqrt(rows_per_free) * (rest.transpose() * r),
+                 rest.transpose() * r,
                  rest.transpose() * J_shared,
+                 J_shared.transpose() * J_shared,
+                 J_shared.transpose() * r,
                  num_free,
                  weights,
                  slopes};
@@ -321,6 +326,7 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
     Accumulator others(all.num_kept);
     const bool timed = shared.by_time.size() > 0;
     Eigen::MatrixXd B = Eigen::MatrixXd::Zero(all.num_kept, shared.num_columns + (timed ? 1 : 0));
+    SharedScores of_shared(all.num_kept, shared.num_columns);
     std::vector<bool> seen(static_cast<std::size_t>(all.num_kept), false);
     double num_landmarks = 0.0;
     double num_free = 0.0;
@@ -331,9 +337,15 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
         if (!score) return;
         add(score->columns, score->H, cameras);
         add(score->columns, score->g * score->g.transpose(), scores);
-        for (std::size_t i = 0; i < score->columns.size(); ++i)
-            B.row(score->columns[i]).head(shared.num_columns) +=
-                score->B.row(static_cast<Eigen::Index>(i));
+        for (std::size_t i = 0; i < score->columns.size(); ++i) {
+            const auto row = static_cast<Eigen::Index>(i);
+            B.row(score->columns[i]).head(shared.num_columns) += score->B.row(row);
+            of_shared.covariance.row(score->columns[i]) +=
+                score->g[row] * score->g_shared.transpose();
+        }
+        of_shared.information += score->H_shared;
+        of_shared.sum += score->g_shared;
+        of_shared.variances += score->g_shared.cwiseAbs2();
         for (const int column : score->columns) seen[static_cast<std::size_t>(column)] = true;
         num_free += score->num_free;
         weights += score->weights;
@@ -343,6 +355,7 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
     // The scores change with the states by the slope of psi, which is less than the weights.
     const double slope = weights > 0.0 ? slopes / weights : 1.0;
     B *= slope;
+    of_shared.information *= slope;
     if (timed) {
         const Eigen::VectorXd rows = rows_by_time(problem, all, shared);
         for (Eigen::Index row = 0; row < rows.size(); ++row)
@@ -356,9 +369,12 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
     const auto num_fitted = static_cast<double>(std::count(seen.begin(), seen.end(), true));
     const double few = num_landmarks / std::max(1.0, num_landmarks - 1.0) * num_free /
                        std::max(1.0, num_free - num_fitted);
+    of_shared.variances *= few;
+    of_shared.covariance *= few;
     return {slope * cameras.sum() + others.sum(),
             few * scores.sum() + others.sum(),
             std::move(B),
+            std::move(of_shared),
             all.start};
 }
 

@@ -49,6 +49,20 @@ struct SharedJacobian {
     std::vector<Constant> constants;
 };
 
+// What the residuals say of the shared errors themselves.
+struct SharedScores {
+    SharedScores(Eigen::Index num_kept, Eigen::Index num_columns)
+        : information(Eigen::MatrixXd::Zero(num_columns, num_columns)),
+          sum(Eigen::VectorXd::Zero(num_columns)),
+          variances(Eigen::VectorXd::Zero(num_columns)),
+          covariance(Eigen::MatrixXd::Zero(num_kept, num_columns)) {}
+
+    Eigen::MatrixXd information;  // J_shared^T D J_shared, the landmarks eliminated
+    Eigen::VectorXd sum;          // of the landmarks' scores
+    Eigen::VectorXd variances;    // of that sum, if no error were shared
+    Eigen::MatrixXd covariance;   // of the scores of the kept blocks with it
+};
+
 // The information about all blocks but the landmarks (H) and the variance of the landmarks' summed
 // scores (V). Each landmark's score counts as one sample, so any correlation of its errors between
 // images is included (Huber 1967; Liang and Zeger 1986). H is the derivative of the scores: beyond
@@ -67,6 +81,7 @@ struct ClusteredInformation {
     Eigen::SparseMatrix<double> H_lower;  // J^T D J, D: mean derivative of Huber's psi
     Eigen::SparseMatrix<double> V_lower;
     Eigen::MatrixXd B;       // J^T D J_shared
+    SharedScores of_shared;  // the cameras' columns
     std::vector<int> start;  // of each kept block; -1: held constant
 };
 ClusteredInformation clustered_information(ceres::Problem& problem,

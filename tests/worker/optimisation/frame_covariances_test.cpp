@@ -10,6 +10,7 @@
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
 #include "worker/optimisation/global_bundle_adjustment.hpp"
+#include "worker/optimisation/residual_field.hpp"
 
 namespace divemesh::optimisation {
 namespace {
@@ -37,10 +38,11 @@ CalibrationUncertainty calibration() {
 }
 
 // The path of stereo_world.hpp, with errors of features, gyroscope, accelerometer, cameras and
-// clocks as large as the bundle adjustment assumes; no images.
+// clocks as large as the bundle adjustment assumes, and a field of errors fixed in the image; no
+// images.
 class NoisyDive {
 public:
-    NoisyDive() {
+    explicit NoisyDive(double field_sigma_px) : field_sigma_px_(field_sigma_px) {
         recording_.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
         exact_ = synthetic::imu_along(
             synthetic::T_world_imu_at, -kMargin_s, kDuration_s + kMargin_s, {});
@@ -67,6 +69,8 @@ public:
                 accelerometer_bias + sigma.accelerometer_noise_density * root_rate * noise();
         }
         const double disparity_bias_px = kDisparityBias_px * normal(random);
+        Eigen::Matrix<double, kFieldSize, 1> nodes_px;
+        for (double& node_px : nodes_px) node_px = field_sigma_px_ * normal(random);
         synthetic::World world(0.03 * kStep * kNumKeyframes, 0.0, seed);
         std::vector<types::Keyframe> keyframes;
         std::map<std::int64_t, types::Landmark> seen;
@@ -77,8 +81,11 @@ public:
             if (k > 0) keyframes.back().T_world_cam.translation() += 0.005 * noise();
             for (types::Feature feature : world.see(T_world_cam, frame, 0.0)) {
                 if (feature.id % kEveryNthPoint != 0) continue;
+                const Eigen::Vector3d measured_px(
+                    feature.pixel.x(), feature.pixel.y(), feature.disparity_px);
                 const Eigen::Vector3d error = types::kFeatureSigma_px.cwiseProduct(noise()) +
-                                              disparity_bias_px * Eigen::Vector3d::UnitZ();
+                                              disparity_bias_px * Eigen::Vector3d::UnitZ() +
+                                              by_field(synthetic::rig(), measured_px) * nodes_px;
                 feature.pixel += error.head<2>();
                 feature.disparity_px += error.z();
                 const Eigen::Vector3d p =
@@ -122,17 +129,28 @@ private:
         return error.dot(covariances.at(kNumKeyframes).position_m2.ldlt().solve(error));
     }
 
+    double field_sigma_px_;
     synthetic::SensorRecording recording_;
     std::vector<types::ImuSample> exact_;
 };
 
 TEST(PoseCovarianceTest, IsAsLargeAsTheErrorsOfAHundredRuns) {
-    NoisyDive dive;
+    NoisyDive dive(0.0);
     double mean = 0.0;
     for (int run = 0; run < kNumRuns; ++run)
         mean += dive.nees(static_cast<std::uint32_t>(run + 1)) / kNumRuns;
 
     // The 95 % interval of chi-square with 300 degrees of freedom, divided by 100.
+    EXPECT_GT(mean, 2.539);
+    EXPECT_LT(mean, 3.499);
+}
+
+TEST(PoseCovarianceTest, HoldsWhatLensesLeaveInTheImage) {
+    NoisyDive dive(0.2);
+    double mean = 0.0;
+    for (int run = 0; run < kNumRuns; ++run)
+        mean += dive.nees(static_cast<std::uint32_t>(run + 1)) / kNumRuns;
+
     EXPECT_GT(mean, 2.539);
     EXPECT_LT(mean, 3.499);
 }
