@@ -13,8 +13,8 @@ constexpr std::int64_t kSpan_ns = 500'000'000;
 constexpr std::size_t kMinForces = 12;
 constexpr std::size_t kMaxForces = 60;
 constexpr std::size_t kLag = 4;  // forces: two seconds
-// Twice the bias of a poor unit when the rig turns over.
-constexpr double kWrongForce_m_s2 = 1.0;
+// A bias of a tenth turns with the rig, and images of little detail are off by as much.
+constexpr double kWrongForce_m_s2 = 0.3;
 // Over slower frames the bias of the gyroscope, which is not taken out, turns gravity.
 constexpr std::int64_t kMaxInterval_ns = 300'000'000;
 

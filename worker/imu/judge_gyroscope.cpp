@@ -33,8 +33,7 @@ constexpr double kMaxTilt_rad = 20.0 * std::numbers::pi / 180.0;
 constexpr double kRotationPrior = 0.05;  // of the correlation: holds axes without rotation
 constexpr double kHuber = 3.0;           // in medians of the residuals' norms
 constexpr int kNumReweightings = 3;
-// Ten times the worst noise of vision over a span.
-constexpr double kWrongRate_rad_s = 0.08;
+constexpr double kWrongRate_rad_s = 4.0 * kNoise_rad_s;
 
 // The rates of both at one time offset.
 struct Rates {

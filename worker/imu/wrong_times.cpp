@@ -7,21 +7,39 @@
 namespace divemesh::imu {
 namespace {
 
-constexpr std::ptrdiff_t kReach = 30;  // differences: more than twice as long as the wrong time
-constexpr double kFar = 8.0;           // medians: noise of three axes is beyond four very seldom
-constexpr std::int64_t kMaxPause_ns = 400'000'000;  // one difference
+// Twice as long as a wrong time of seconds, and so short that the images hardly drift.
+constexpr std::int64_t kReach_ns = 9'000'000'000;
+constexpr double kFar = 5.0;  // medians: noise of three axes is beyond three very seldom
+constexpr int kMaxRight = 1;  // differences in a row that are right by chance
 // A shorter time may be one in which the images were wrong: a fish that passes.
-constexpr std::int64_t kMinTime_ns = 1'800'000'000;
+constexpr std::int64_t kMinMeasured_ns = 1'600'000'000;
 constexpr std::int64_t kMargin_ns = 500'000'000;
 
-Eigen::Vector3d usual_around(const std::vector<Difference>& differences, std::ptrdiff_t at) {
-    const auto first = differences.begin() + std::max<std::ptrdiff_t>(0, at - kReach);
-    const auto last =
-        differences.begin() + std::min<std::ptrdiff_t>(std::ssize(differences), at + kReach + 1);
+struct WrongTime {
+    types::TimeInterval time;
+    std::int64_t measured_ns = 0;
+
+    void add(const types::TimeInterval& next) {
+        if (measured_ns == 0) time = {next.from_ns, next.from_ns};
+        measured_ns += next.to_ns - std::max(next.from_ns, time.to_ns);
+        time.to_ns = next.to_ns;
+    }
+};
+
+Eigen::Vector3d usual_around(const std::vector<Difference>& differences, const Difference& at) {
+    const auto first = std::lower_bound(differences.begin(),
+                                        differences.end(),
+                                        at.time.from_ns - kReach_ns,
+                                        [](const Difference& difference, std::int64_t time_ns) {
+                                            return difference.time.from_ns < time_ns;
+                                        });
     Eigen::Vector3d usual;
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> values;
-        for (auto near = first; near != last; ++near) values.push_back(near->value[axis]);
+        for (auto near = first; near != differences.end(); ++near) {
+            if (near->time.from_ns > at.time.from_ns + kReach_ns) break;
+            values.push_back(near->value[axis]);
+        }
         usual[axis] = stats::median(std::move(values));
     }
     return usual;
@@ -33,25 +51,24 @@ std::vector<types::TimeInterval> wrong_times(const std::vector<Difference>& diff
                                              double least) {
     if (differences.empty()) return {};
     std::vector<double> sizes;
-    for (std::ptrdiff_t i = 0; i < std::ssize(differences); ++i)
-        sizes.push_back(
-            (differences[static_cast<std::size_t>(i)].value - usual_around(differences, i)).norm());
+    for (const Difference& at : differences)
+        sizes.push_back((at.value - usual_around(differences, at)).norm());
     const double limit = std::max(least, kFar * stats::median(sizes));
-    std::vector<types::TimeInterval> times;
+    std::vector<WrongTime> found;
+    int num_right = 0;  // since the last wrong one
     for (std::size_t i = 0; i < sizes.size(); ++i) {
-        if (sizes[i] <= limit) continue;
-        const types::TimeInterval& wrong = differences[i].time;
-        if (times.empty() || wrong.from_ns - times.back().to_ns > kMaxPause_ns)
-            times.push_back(wrong);
-        times.back().to_ns = wrong.to_ns;
+        if (sizes[i] <= limit) {
+            ++num_right;
+            continue;
+        }
+        if (found.empty() || num_right > kMaxRight) found.emplace_back();
+        found.back().add(differences[i].time);
+        num_right = 0;
     }
-    std::erase_if(times, [](const types::TimeInterval& time) {
-        return time.to_ns - time.from_ns < kMinTime_ns;
-    });
-    for (types::TimeInterval& time : times) {
-        time.from_ns -= kMargin_ns;
-        time.to_ns += kMargin_ns;
-    }
+    std::vector<types::TimeInterval> times;
+    for (const WrongTime& wrong : found)
+        if (wrong.measured_ns >= kMinMeasured_ns)
+            times.push_back({wrong.time.from_ns - kMargin_ns, wrong.time.to_ns + kMargin_ns});
     return times;
 }
 

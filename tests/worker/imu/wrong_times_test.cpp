@@ -34,6 +34,15 @@ TEST(WrongTimesTest, ASecondMayBeTheImages) {
     EXPECT_TRUE(wrong_times(differences(40, 43), 0.08).empty());
 }
 
+TEST(WrongTimesTest, SecondsWithoutImagesAmongWrongOnesAreWrong) {
+    std::vector<Difference> some = differences(40, 60);
+    some.erase(some.begin() + 44, some.begin() + 55);
+    const auto times = wrong_times(some, 0.08);
+    ASSERT_EQ(times.size(), 1U);
+    EXPECT_EQ(times[0].from_ns, 40 * kSpan_ns - 500'000'000);
+    EXPECT_EQ(times[0].to_ns, 60 * kSpan_ns + 500'000'000);
+}
+
 TEST(WrongTimesTest, NothingWasMeasured) { EXPECT_TRUE(wrong_times({}, 0.08).empty()); }
 
 }  // namespace
