@@ -5,15 +5,15 @@
 #include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
 #include "worker/imu/estimate_alignment.hpp"
+#include "worker/imu/usable_samples.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 
 namespace divemesh::pipeline {
 namespace {
 
 std::vector<types::ImuSample> usable_imu(const Reconstruction& made) {
-    const types::SensorsLeftOut& left_out = made.track.left_out;
-    if (!made.options().use_imu || left_out.imu || left_out.accelerometer) return {};
-    return imu::aligned(made.recording.imu(),
+    if (!made.options().use_imu) return {};
+    return imu::aligned(imu::usable_forces(made.recording, made.track.left_out),
                         {made.optimised.calibration.applied_alignment().time_offset_s});
 }
 
@@ -48,10 +48,11 @@ void replace_scale_error(double factor, double sigma, types::OptimisedTrack& opt
 evaluation::ScaleSources scale_sources(const Reconstruction& made) {
     const types::OptimisedTrack& optimised = made.optimised;
     const auto& known = made.evaluation.known_distances;
+    const bool uses_pressure = made.options().use_pressure && !made.track.left_out.pressure;
     return evaluation::scale_sources(
         {.imu = usable_imu(made),
-         .pressure = made.options().use_pressure ? made.recording.pressure()
-                                                 : std::vector<types::PressureSample>(),
+         .pressure = uses_pressure ? made.recording.pressure()
+                                   : std::vector<types::PressureSample>(),
          .markers = by_markers(made),
          .known_distances = known ? &*known : nullptr,
          .num_segments =
