@@ -10,7 +10,8 @@ namespace divemesh::imu {
 namespace {
 
 constexpr std::int64_t kSpan_ns = 500'000'000;
-constexpr std::size_t kMinForces = 12;
+constexpr std::size_t kSpansOfForce = 2;  // on either side
+constexpr std::size_t kMinForces = 10;
 constexpr std::size_t kMaxForces = 60;
 constexpr std::size_t kLag = 4;  // forces: two seconds
 // A bias of a tenth turns with the rig, and images of little detail are off by as much.
@@ -53,14 +54,15 @@ void GravityByVision::add(const VisionMotion& motion) {
 
 void GravityByVision::finish_span() {
     marks_.push_back({last_ns_, lead_});
-    if (marks_.size() < 3) return;
-    const Mark& a = marks_[0];
-    const Mark& b = marks_[1];
-    const Mark& c = marks_[2];
+    if (marks_.size() <= 2 * kSpansOfForce) return;
+    const Mark& a = marks_.front();
+    const Mark& b = marks_[kSpansOfForce];
+    const Mark& c = marks_.back();
     const Eigen::Vector3d before = (b.lead - a.lead) / seconds(b.time_ns - a.time_ns);
     const Eigen::Vector3d after = (c.lead - b.lead) / seconds(c.time_ns - b.time_ns);
-    runs_.back().push_back(
-        {{a.time_ns, c.time_ns}, 2.0 * (after - before) / seconds(c.time_ns - a.time_ns)});
+    // Most of the weight of a second difference is in its middle half.
+    const types::TimeInterval middle{(a.time_ns + b.time_ns) / 2, (b.time_ns + c.time_ns) / 2};
+    runs_.back().push_back({middle, 2.0 * (after - before) / seconds(c.time_ns - a.time_ns)});
     marks_.erase(marks_.begin());
 }
 

@@ -16,8 +16,8 @@ namespace divemesh::imu {
 //
 //     d^2 u / dt^2 = -g
 //
-// is the same vector whatever the rig does. It is the second difference of u over two spans of half
-// a second: positions so far apart tell it at any frame rate, whereas velocities from one frame to
+// is the same vector whatever the rig does. It is the second difference of u over two seconds:
+// positions so far apart tell it at any frame rate, whereas velocities from one frame to
 // the next have a noise that grows with the rate. An accelerometer with wrong axes measures a
 // gravity that turns with the rig.
 class GravityByVision {

@@ -66,11 +66,22 @@ Parts judge_parts(const Orientations& orientations, const std::vector<TurnSpan>&
     return parts;
 }
 
-template <typename Change>
-Orientations changed(Orientations orientations, const Change& change) {
-    for (types::OrientationSample& sample : orientations)
-        sample.q_world_imu = change(sample.q_world_imu);
-    return orientations;
+// Returns the fault in writing quaternions that explains the contradiction.
+std::optional<AhrsFault> fault_of_writing(const Orientations& orientations,
+                                          const std::vector<TurnSpan>& spans) {
+    const auto judged = [&](const auto& change) {
+        Orientations changed = orientations;
+        for (types::OrientationSample& sample : changed)
+            sample.q_world_imu = change(sample.q_world_imu);
+        return judge_parts(changed, spans);
+    };
+    const Parts inverse = judged([](const Eigen::Quaterniond& q) { return q.conjugate(); });
+    if (inverse.fit()) return AhrsFault::Inverse;
+    // Read as w x y z, though x y z w were written.
+    const Parts scalar_last = judged(
+        [](const Eigen::Quaterniond& q) { return Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y()); });
+    if (scalar_last.fit()) return AhrsFault::ScalarLast;
+    return std::nullopt;
 }
 
 }  // namespace
@@ -78,18 +89,7 @@ Orientations changed(Orientations orientations, const Change& change) {
 AhrsJudgement judge_ahrs(const Orientations& orientations, const std::vector<TurnSpan>& spans) {
     const Parts parts = judge_parts(orientations, spans);
     if (!parts.contradict()) return {};
-    const auto explains = [&](const auto& change) {
-        return judge_parts(changed(orientations, change), spans).fit();
-    };
-    AhrsJudgement judgement{AhrsFault::AsGyroscope, parts.first};
-    if (explains([](const Eigen::Quaterniond& q) { return q.conjugate(); }))
-        judgement.fault = AhrsFault::Inverse;
-    // Read as w x y z, though x y z w were written.
-    else if (explains([](const Eigen::Quaterniond& q) {
-                 return Eigen::Quaterniond(q.z(), q.w(), q.x(), q.y());
-             }))
-        judgement.fault = AhrsFault::ScalarLast;
-    return judgement;
+    return {fault_of_writing(orientations, spans).value_or(AhrsFault::AsGyroscope), parts.first};
 }
 
 }  // namespace divemesh::imu

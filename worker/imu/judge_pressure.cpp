@@ -22,8 +22,9 @@ constexpr double kUnknownTilt_rad = 0.4;
 constexpr double kMaxScaleError = 0.2;
 constexpr double kContradicts_sigmas = 4.0;
 constexpr double kMaxError_m = 5.0 * kUsualNoise_m;
-constexpr double kHeld = 0.2;  // share of the readings at one end: a dive does not hold a depth
-constexpr double kHeldStep = 1e-3;  // of the range of the readings
+// Share of the readings at one end that is no swing: of a sine a tenth is as near to its crest.
+constexpr double kHeld = 0.25;
+constexpr double kHeldStep = 0.02;  // of the range of the readings
 constexpr double kReversed = 0.5;   // of a scale from -1
 
 // Medians of half a second.

@@ -13,7 +13,7 @@ constexpr double kFar = 5.0;  // medians: noise of three axes is beyond three ve
 constexpr int kMaxRight = 1;  // differences in a row that are right by chance
 // A shorter time may be one in which the images were wrong: a fish that passes.
 constexpr std::int64_t kMinMeasured_ns = 1'600'000'000;
-constexpr std::int64_t kMargin_ns = 500'000'000;
+constexpr std::int64_t kMargin_ns = 1'000'000'000;
 
 struct WrongTime {
     types::TimeInterval time;

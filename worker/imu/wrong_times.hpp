@@ -18,7 +18,7 @@ struct Difference {
 // to nine seconds before and after: by more than `least` and by more than five times what is usual,
 // over about two seconds of differences. One among them may be near. A time without any, in which
 // the images told nothing, belongs to the wrong time around it: a sensor that is wrong is a likely
-// cause that they did not. Half a second before and after is added, as it is not known better when
+// cause that they did not. A second before and after is added, as it is not known better when
 // the sensor began to be wrong.
 std::vector<types::TimeInterval> wrong_times(const std::vector<Difference>& differences,
                                              double least);

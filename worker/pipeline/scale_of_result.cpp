@@ -51,8 +51,8 @@ evaluation::ScaleSources scale_sources(const Reconstruction& made) {
     const bool uses_pressure = made.options().use_pressure && !made.track.left_out.pressure;
     return evaluation::scale_sources(
         {.imu = usable_imu(made),
-         .pressure = uses_pressure ? made.recording.pressure()
-                                   : std::vector<types::PressureSample>(),
+         .pressure =
+             uses_pressure ? made.recording.pressure() : std::vector<types::PressureSample>(),
          .markers = by_markers(made),
          .known_distances = known ? &*known : nullptr,
          .num_segments =

@@ -120,7 +120,8 @@ std::string cause(const imu::AhrsJudgement& judgement) {
         return "its " + axis_or_axes(rotation.axes) + (rotation.axes.size() > 1 ? " are" : " is") +
                " exchanged or mirrored";
     return "its clock differs from that of the cameras by more than " +
-           base::fixed(imu::kMaxOffset_s, 0) + " s, or it belongs to another dive";
+           base::fixed(imu::kMaxOffset_s, 0) +
+           " s, it belongs to another dive, or its quaternions are of another convention";
 }
 
 Finding ahrs_left_out(const imu::AhrsJudgement& judgement) {
@@ -137,7 +138,7 @@ Finding ahrs_left_out(const imu::AhrsJudgement& judgement) {
 std::string cause(const imu::PressureJudgement& judgement) {
     switch (judgement.fault) {
         case imu::PressureFault::Reversed: return "it counts upwards";
-        case imu::PressureFault::Scaled: return "its units are wrong";
+        case imu::PressureFault::Scaled: return "its units are wrong, or its range was exceeded";
         case imu::PressureFault::Held:
             return percent(judgement.held_share) +
                    " of its readings stay at one value: its range "

@@ -129,9 +129,9 @@ TEST_P(GravityAtRateTest, FindsTheTimeInWhichTheAccelerometerIsWrong) {
     const auto times = gravity.wrong_times();
     ASSERT_EQ(times.size(), 1U);
     EXPECT_LE(times[0].from_ns, 12'000'000'000);
-    EXPECT_GE(times[0].from_ns, 10'000'000'000);
+    EXPECT_GE(times[0].from_ns, 9'500'000'000);
     EXPECT_GE(times[0].to_ns, 16'000'000'000);
-    EXPECT_LE(times[0].to_ns, 18'000'000'000);
+    EXPECT_LE(times[0].to_ns, 18'500'000'000);
 }
 
 INSTANTIATE_TEST_SUITE_P(Rates, GravityAtRateTest, testing::Values(5.0, 10.0, 20.0, 30.0));

@@ -69,11 +69,7 @@ TEST(JudgePressureTest, NamesTheScale) {
 }
 
 TEST(JudgePressureTest, NamesReadingsThatStay) {
-    // Without noise at the end of the range, as a converter's.
-    std::vector<types::PressureSample> pressure;
-    for (int k = 0; k < std::lround(5.0 * kDuration_s); ++k)
-        pressure.push_back({200'000'000LL * k, std::max(8.1, depth_at(0.2 * k))});
-    const auto found = judge_pressure(pressure, path(0.0), {}, true);
+    const auto found = judged([](double t_s) { return std::max(8.1, depth_at(t_s)); });
     EXPECT_EQ(found.fault, PressureFault::Held);
     EXPECT_GT(found.held_share, 0.4);
 }

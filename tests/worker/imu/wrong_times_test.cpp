@@ -26,8 +26,8 @@ TEST(WrongTimesTest, DriftAndNoiseAreRight) {
 TEST(WrongTimesTest, FindsSecondsWithAMargin) {
     const auto times = wrong_times(differences(40, 50), 0.08);
     ASSERT_EQ(times.size(), 1U);
-    EXPECT_EQ(times[0].from_ns, 40 * kSpan_ns - 500'000'000);
-    EXPECT_EQ(times[0].to_ns, 50 * kSpan_ns + 500'000'000);
+    EXPECT_EQ(times[0].from_ns, 40 * kSpan_ns - 1'000'000'000);
+    EXPECT_EQ(times[0].to_ns, 50 * kSpan_ns + 1'000'000'000);
 }
 
 TEST(WrongTimesTest, ASecondMayBeTheImages) {
@@ -39,8 +39,8 @@ TEST(WrongTimesTest, SecondsWithoutImagesAmongWrongOnesAreWrong) {
     some.erase(some.begin() + 44, some.begin() + 55);
     const auto times = wrong_times(some, 0.08);
     ASSERT_EQ(times.size(), 1U);
-    EXPECT_EQ(times[0].from_ns, 40 * kSpan_ns - 500'000'000);
-    EXPECT_EQ(times[0].to_ns, 60 * kSpan_ns + 500'000'000);
+    EXPECT_EQ(times[0].from_ns, 40 * kSpan_ns - 1'000'000'000);
+    EXPECT_EQ(times[0].to_ns, 60 * kSpan_ns + 1'000'000'000);
 }
 
 TEST(WrongTimesTest, NothingWasMeasured) { EXPECT_TRUE(wrong_times({}, 0.08).empty()); }
