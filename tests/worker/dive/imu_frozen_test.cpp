@@ -35,6 +35,24 @@ TEST(ImuFrozenTest, RowsOfASensorThatHangsAreLeftOut) {
     EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "imu_frozen", "99 of 400"));
 }
 
+TEST(ImuFrozenTest, AnAccelerometerMayHangAlone) {
+    auto samples = moving(800);
+    for (std::size_t i = 0; i < samples.size(); ++i)
+        samples[i].acceleration_imu.x() = 0.01 * static_cast<double>(i % 5);
+    const auto hang = [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i)
+            samples[i].acceleration_imu = samples[begin].acceleration_imu;
+    };
+    hang(100, 200);  // half a second: a coarse one at rest
+    hang(300, 599);
+    FindingLog log;
+
+    leave_out_frozen_readings(samples, "imu", log);
+
+    EXPECT_EQ(samples.size(), 800U - 298U);
+    EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "imu_frozen", "298 of 800"));
+}
+
 TEST(ImuFrozenTest, RowsThatARecorderWritesTwiceStay) {
     auto samples = moving(400);
     for (std::size_t i = 0; i < samples.size(); i += 4) freeze(samples, i, i + 4);
