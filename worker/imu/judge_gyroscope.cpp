@@ -33,6 +33,7 @@ constexpr double kMaxTilt_rad = 20.0 * std::numbers::pi / 180.0;
 constexpr double kRotationPrior = 0.05;  // of the correlation: holds axes without rotation
 constexpr double kHuber = 3.0;           // in medians of the residuals' norms
 constexpr int kNumReweightings = 3;
+constexpr double kWrongRate_rad_s = 4.0 * kNoise_rad_s;
 
 // The rates of both at one time offset.
 struct Rates {
@@ -110,6 +111,7 @@ struct Fit {
     double residual_share = 1.0;  // of all axes, noise included: tells the better of two good fits
     double scale = 1.0;
     double rate_rad_s = 0.0;  // RMS about the axis with the most, of the larger of the two
+    Eigen::Matrix3d mounting = Eigen::Matrix3d::Identity();
 };
 
 double unexplained_share(const Moments& moments, const Eigen::Matrix3d& mounting) {
@@ -153,6 +155,7 @@ Fit fit_at(const Rates& rates, double offset_s, const Eigen::Matrix3d& given) {
     }
     Fit fit;
     fit.offset_s = offset_s;
+    fit.mounting = mounting;
     fit.unexplained = unexplained_share(moments, mounting);
     fit.rate_rad_s = std::sqrt(
         std::max((mounting * moments.gyroscope * mounting.transpose()).diagonal().maxCoeff(),
@@ -294,6 +297,27 @@ GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
     judgement.fit = GyroscopeFit::Contradicts;
     explain(path, last, *near, judgement);
     return judgement;
+}
+
+std::vector<types::TimeInterval> wrong_times(const std::vector<types::ImuSample>& samples,
+                                             const std::vector<TurnSpan>& spans) {
+    if (spans.empty()) return {};
+    const std::int64_t reach_ns = std::llround(1e9 * (kNearOffset_s + kStep_s));
+    const GyroscopePath path(
+        samples, spans.front().from_ns - reach_ns, spans.back().to_ns + reach_ns);
+    const auto fit = best_fit(path, spans, {}, Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
+    if (!fit) return {};
+    const std::int64_t shift_ns = std::llround(1e9 * fit->offset_s);
+    std::vector<Difference> differences;
+    for (const TurnSpan& span : spans) {
+        const std::int64_t from_ns = span.from_ns + shift_ns;
+        const std::int64_t to_ns = span.to_ns + shift_ns;
+        if (!path.covers(from_ns, to_ns)) continue;
+        const Eigen::Vector3d rate =
+            path.rotation(from_ns, to_ns) / (1e-9 * static_cast<double>(to_ns - from_ns));
+        differences.push_back({{span.from_ns, span.to_ns}, span.rate_body - fit->mounting * rate});
+    }
+    return wrong_times(differences, kWrongRate_rad_s);
 }
 
 }  // namespace divemesh::imu

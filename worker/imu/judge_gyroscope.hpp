@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "worker/imu/estimate_alignment.hpp"
+#include "worker/imu/wrong_times.hpp"
 #include "worker/types/recording.hpp"
 
 namespace divemesh::imu {
@@ -71,5 +72,10 @@ constexpr double kMaxOffset_s = 1.0;
 // are on the cameras' clock and in the body frame as far as both are known.
 GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
                                    const std::vector<TurnSpan>& spans);
+
+// Returns the times of the dive in which the gyroscope contradicts vision, though it fits as a
+// whole: the rates v - R g are not what they are before and after. Empty if it does not fit.
+std::vector<types::TimeInterval> wrong_times(const std::vector<types::ImuSample>& samples,
+                                             const std::vector<TurnSpan>& spans);
 
 }  // namespace divemesh::imu
