@@ -66,6 +66,8 @@ constexpr Row kRows[] = {
     {"imu_left_out",                ""},
     {"imu_left_out_for_a_time",     ""},
     {"accelerometer_left_out",      ""},
+    {"ahrs_left_out",               ""},
+    {"pressure_left_out",           ""},
     {"imu_clock_offset",            ""},
     {"frames_skipped",              ""},
     {"frames_unmatched",            ""},

@@ -187,7 +187,7 @@ void CalibrationProblem::add_observations(ceres::Problem& problem,
 
 void CalibrationProblem::add_gyro_rotations(ceres::Problem& problem) {
     const std::int64_t shift_ns = std::llround(1e9 * unknowns_.time_offset_s);
-    const auto& samples = recording_.imu();
+    const auto& samples = inertial_.rates();
     for (std::size_t k = 1; k < states_.size(); ++k) {
         State& from = states_[k - 1];
         State& to = states_[k];

@@ -6,6 +6,7 @@
 
 #include "worker/base/text.hpp"
 #include "worker/imu/estimate_alignment.hpp"
+#include "worker/imu/usable_samples.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 
 namespace divemesh::evaluation {
@@ -110,25 +111,29 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
         for (const char* metric : {"scale.accelerometer", "scale.pressure"})
             expected.left_out.push_back({metric, "the dive has several segments"});
     } else {
+        const auto forces = imu::usable_forces(recording, input.sensors_left_out);
         expected.accelerometer = with_contradiction(
-            scale_by_accelerometer(imu::aligned(recording.imu(), {input.imu_clock_offset_s}),
+            scale_by_accelerometer(imu::aligned(forces, {input.imu_clock_offset_s}),
                                    input.trajectory),
             cameras_sigma,
             "scale.accelerometer",
             "the accelerometer",
             recording.imu().empty() ? "the dive has no IMU"
+            : forces.empty()        ? "the accelerometer contradicts the images"
                                     : "the IMU covers too little of the dive without a gap",
             expected);
         expected.pressure = with_contradiction(
             scale_by_pressure(
-                recording.pressure(),
+                input.sensors_left_out.pressure ? std::vector<types::PressureSample>{}
+                                                : recording.pressure(),
                 input.trajectory,
                 covariance_scale(input.optimise.loops) * input.optimise.path.vertical_scale_sigma),
             cameras_sigma,
             "scale.pressure",
             "the pressure sensor",
-            recording.pressure().empty() ? "the dive has no pressure sensor"
-                                         : "the pressure sensor covers too little of the dive",
+            recording.pressure().empty()      ? "the dive has no pressure sensor"
+            : input.sensors_left_out.pressure ? "the pressure sensor contradicts the images"
+                                              : "the pressure sensor covers too little of the dive",
             expected);
     }
     expected.known_distances = with_contradiction(

@@ -11,6 +11,7 @@
 #include "worker/types/mesh.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/sensors_left_out.hpp"
 #include "worker/types/track.hpp"
 
 namespace divemesh::evaluation {
@@ -26,6 +27,7 @@ struct ExpectedAccuracyInput {
     const KnownDistanceErrors* known_distances = nullptr;  // null: the dive has none
     const types::Mesh* mesh = nullptr;                     // null: no surface was requested
     double imu_clock_offset_s = 0.0;                       // IMU time minus camera time, as applied
+    types::SensorsLeftOut sensors_left_out;
 };
 
 // A metric that cannot be given, and the reason.

@@ -70,32 +70,22 @@ bool measures_gravity(const std::vector<types::ImuSample>& samples) {
 
 }  // namespace
 
-std::vector<types::ImuSample> without(const std::vector<types::TimeInterval>& times,
-                                      const std::vector<types::ImuSample>& samples) {
-    std::vector<types::ImuSample> result = samples;
-    for (const types::TimeInterval& time : times)
-        std::erase_if(result, [&](const types::ImuSample& sample) {
-            return time.from_ns <= sample.timestamp_ns && sample.timestamp_ns <= time.to_ns;
-        });
-    return result;
-}
-
 InertialPrior::InertialPrior(const types::Recording& recording,
                              const ReconstructionOptions& options,
                              const types::SensorsLeftOut& left_out)
     : recording_(recording),
-      imu_left_out_(left_out.imu_times),
-      imu_(without(imu_left_out_, recording.imu())),
+      rates_(usable_rates(recording, left_out)),
+      imu_(rates_),
       orientations_(recording.ahrs()),
-      gyroscope_(options.use_imu && !left_out.imu && recording.rig().imu_noise && !imu_.empty()),
+      gyroscope_(options.use_imu && recording.rig().imu_noise && !imu_.empty()),
       accelerometer_(gyroscope_ && !left_out.accelerometer && measures_gravity(imu_)),
       ahrs_(options.use_ahrs && !left_out.ahrs && !recording.ahrs().empty()),
       ahrs_leads_(options.estimator == "pairwise"),
-      pressure_(options.use_pressure && !recording.pressure().empty()),
+      pressure_(options.use_pressure && !left_out.pressure && !recording.pressure().empty()),
       noise_(inflated(recording.rig().imu_noise.value_or(types::ImuNoise{}))) {}
 
 void InertialPrior::align(const types::ImuAlignment& alignment) {
-    imu_ = aligned(without(imu_left_out_, recording_.imu()), alignment);
+    imu_ = aligned(rates_, alignment);
     orientations_ = aligned(recording_.ahrs(), alignment);
 }
 

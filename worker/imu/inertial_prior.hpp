@@ -9,6 +9,7 @@
 #include "worker/imu/estimate_alignment.hpp"
 #include "worker/imu/gyroscope_integral.hpp"
 #include "worker/imu/preintegration.hpp"
+#include "worker/imu/usable_samples.hpp"
 #include "worker/types/known_rotation.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/sensors_left_out.hpp"
@@ -17,10 +18,6 @@ namespace divemesh::imu {
 
 constexpr double kInitialGyroscopeBiasSigma = 0.1;      // rad/s, for a cheap sensor
 constexpr double kInitialAccelerometerBiasSigma = 0.1;  // m/s^2
-
-// Returns the samples outside the times.
-std::vector<types::ImuSample> without(const std::vector<types::TimeInterval>& times,
-                                      const std::vector<types::ImuSample>& samples);
 
 // The sensors' measurements at one time, and of the motion to it from an earlier time.
 struct SensorReadings {
@@ -47,6 +44,8 @@ public:
     // Corrects all samples for `alignment`, as if the IMU were mounted as calibrated.
     void align(const types::ImuAlignment& alignment);
 
+    // Returns the usable samples as recorded, on the IMU's clock.
+    const std::vector<types::ImuSample>& rates() const { return rates_; }
     bool has_gyroscope() const { return gyroscope_; }
     bool has_accelerometer() const { return accelerometer_; }
     bool has_ahrs() const { return ahrs_; }
@@ -92,9 +91,9 @@ private:
     bool imu_is_used(std::int64_t from_ns, std::int64_t to_ns) const;
 
     const types::Recording& recording_;
-    std::vector<types::TimeInterval> imu_left_out_;
     std::optional<std::int64_t> imu_ends_ns_;
-    std::vector<types::ImuSample> imu_;
+    std::vector<types::ImuSample> rates_;  // usable, as recorded
+    std::vector<types::ImuSample> imu_;    // aligned
     std::vector<types::OrientationSample> orientations_;
     bool gyroscope_ = false;
     bool accelerometer_ = false;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/imu/usable_samples.hpp"
+
 namespace divemesh::imu {
 namespace {
 
@@ -17,20 +19,57 @@ std::vector<types::ImuSample> shifted(const std::vector<types::ImuSample>& sampl
     return offset_s == 0.0 ? samples : aligned(samples, {offset_s});
 }
 
+bool overlap(const types::TimeInterval& a, const types::TimeInterval& b) {
+    return a.from_ns <= b.to_ns && b.from_ns <= a.to_ns;
+}
+
+// Returns the time from the first to the last of `parts` that overlap it; the time itself if none
+// does.
+types::TimeInterval shortened(const types::TimeInterval& time,
+                              const std::vector<types::TimeInterval>& parts) {
+    std::optional<types::TimeInterval> result;
+    for (const types::TimeInterval& part : parts) {
+        if (!overlap(time, part)) continue;
+        if (!result) result = part;
+        result->from_ns = std::min(result->from_ns, part.from_ns);
+        result->to_ns = std::max(result->to_ns, part.to_ns);
+    }
+    return result.value_or(time);
+}
+
+std::vector<types::TimeInterval> joined(std::vector<types::TimeInterval> times) {
+    std::sort(
+        times.begin(), times.end(), [](const types::TimeInterval& a, const types::TimeInterval& b) {
+            return a.from_ns < b.from_ns;
+        });
+    std::vector<types::TimeInterval> result;
+    for (const types::TimeInterval& time : times) {
+        if (result.empty() || !overlap(result.back(), time)) result.push_back(time);
+        result.back().to_ns = std::max(result.back().to_ns, time.to_ns);
+    }
+    return result;
+}
+
 }  // namespace
 
-SensorWatch::SensorWatch(const types::Recording& recording, bool used, const SensorPlan& plan)
+SensorWatch::SensorWatch(const types::Recording& recording,
+                         const SensorsUsed& used,
+                         const SensorPlan& plan)
     : plan_(plan),
-      samples_(used ? shifted(without(plan.left_out.imu_times, recording.imu()), plan.time_offset_s)
-                    : std::vector<types::ImuSample>{}),
+      samples_(used.imu
+                   ? shifted(without(plan.left_out.imu_times, recording.imu()), plan.time_offset_s)
+                   : std::vector<types::ImuSample>{}),
+      orientations_(used.ahrs && !plan.left_out.ahrs ? recording.ahrs()
+                                                     : std::vector<types::OrientationSample>{}),
       gravity_(samples_),
       next_judgement_(kFirstJudgement) {}
 
 void SensorWatch::watch(const VisionMotion& motion, InertialPrior& inertial) {
     num_lost_ = 0;
     const bool judged_already = plan_.left_out.imu && !plan_.imu_on_probation;
-    if (samples_.empty() || judged_already || restart_) return;
+    if (restart_) return;
     turns_.add(motion.rotation());
+    if (samples_.empty() || judged_already) return;
     gravity_.add(motion);
     if (turns_.spans().size() < next_judgement_) return;
     next_judgement_ = turns_.spans().size() + kJudgementStep;
@@ -110,16 +149,37 @@ std::optional<SensorPlan> SensorWatch::restart_at_end() const {
         plan.imu_confirmed = plan.left_out.accelerometer = true;
         return plan;
     }
-    if (contradicted_.empty()) return std::nullopt;
-    plan.gyroscope = first_contradiction_;
-    const std::int64_t shift_ns = std::llround(1e9 * plan_.time_offset_s);
-    for (const types::TimeInterval& time : contradicted_)
-        plan.left_out.imu_times.push_back({time.from_ns + shift_ns, time.to_ns + shift_ns});
-    if (contradicts_now_) {
-        types::TimeInterval& last = plan.left_out.imu_times.back();
-        last.to_ns = std::max(last.to_ns, samples_.back().timestamp_ns + shift_ns);
+    const AhrsJudgement ahrs = judge_ahrs(orientations_, turns_.spans());
+    if (ahrs.fault != AhrsFault::None) {
+        plan.left_out.ahrs = true;
+        plan.ahrs = ahrs;
     }
+    std::vector<types::TimeInterval> times = wrong_times();
+    if (times.empty() && plan.left_out.ahrs == plan_.left_out.ahrs) return std::nullopt;
+    if (!contradicted_.empty()) plan.gyroscope = first_contradiction_;
+    const std::int64_t shift_ns = std::llround(1e9 * plan_.time_offset_s);
+    for (types::TimeInterval& time : times) {
+        time.from_ns += shift_ns;
+        time.to_ns += shift_ns;
+    }
+    plan.left_out.imu_times.insert(plan.left_out.imu_times.end(), times.begin(), times.end());
     return plan;
+}
+
+// Returns the times in which a confirmed IMU was wrong, on the cameras' clock. A time that the
+// judgement of the last spans found, too long at both ends, is made as short as the times within it
+// that single spans tell; of a long time only its ends differ from what is around them.
+std::vector<types::TimeInterval> SensorWatch::wrong_times() const {
+    if (!confirmed_) return {};
+    std::vector<types::TimeInterval> times = imu::wrong_times(samples_, turns_.spans());
+    const auto add = [&](const std::vector<types::TimeInterval>& found) {
+        times.insert(times.end(), found.begin(), found.end());
+    };
+    if (!plan_.left_out.accelerometer) add(gravity_.wrong_times());
+    std::vector<types::TimeInterval> judged;
+    for (const types::TimeInterval& time : contradicted_) judged.push_back(shortened(time, times));
+    add(judged);
+    return joined(std::move(times));
 }
 
 }  // namespace divemesh::imu

@@ -6,6 +6,7 @@
 
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/imu/judge_accelerometer.hpp"
+#include "worker/imu/judge_ahrs.hpp"
 #include "worker/imu/judge_gyroscope.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/sensors_left_out.hpp"
@@ -21,6 +22,13 @@ struct SensorPlan {
     bool imu_confirmed = false;    // by an earlier attempt: it stays in use when the scene is lost
     GyroscopeJudgement gyroscope;  // why the plan differs from the dive as stated
     double gravity_disagreement_m_s2 = 0.0;  // likewise, of the accelerometer
+    AhrsJudgement ahrs;                      // likewise
+};
+
+// The sensors that a dive has and is to be reconstructed with.
+struct SensorsUsed {
+    bool imu = false;
+    bool ahrs = false;
 };
 
 // A watch over the sensors while a dive is tracked. It compares them with motions that vision alone
@@ -29,8 +37,7 @@ struct SensorPlan {
 // and fits after all.
 class SensorWatch {
 public:
-    // `used`: the dive is to be reconstructed with its IMU.
-    SensorWatch(const types::Recording& recording, bool used, const SensorPlan& plan);
+    SensorWatch(const types::Recording& recording, const SensorsUsed& used, const SensorPlan& plan);
 
     // Takes in a motion measured by vision alone. Leaves the IMU out of `inertial` for the time in
     // which it contradicts vision.
@@ -49,10 +56,12 @@ private:
     void judge(InertialPrior& inertial);
     void start_anew(bool with_imu);
     void take(const GyroscopeJudgement& judgement, InertialPrior& inertial);
+    std::vector<types::TimeInterval> wrong_times() const;
     void contradicted(const GyroscopeJudgement& judgement, InertialPrior& inertial);
 
     SensorPlan plan_;
     std::vector<types::ImuSample> samples_;  // as stated, with the plan's time offset
+    std::vector<types::OrientationSample> orientations_;
     TurnSpans turns_;
     GravityByVision gravity_;
     std::size_t next_judgement_;

@@ -1,5 +1,7 @@
 #include "worker/odometry/imu_aligner.hpp"
 
+#include "worker/imu/usable_samples.hpp"
+
 namespace divemesh::odometry {
 namespace {
 
@@ -12,7 +14,7 @@ ImuAligner::ImuAligner(const types::Recording& recording,
                        const types::SensorsLeftOut& left_out,
                        double time_offset_s)
     : start_s_(time_offset_s),
-      samples_(imu::aligned(imu::without(left_out.imu_times, recording.imu()), {time_offset_s})) {
+      samples_(imu::aligned(imu::usable_rates(recording, left_out), {time_offset_s})) {
     alignment_.time_offset_s = time_offset_s;
 }
 

@@ -8,6 +8,7 @@
 #include "worker/camera/rerectifier.hpp"
 #include "worker/evaluation/scale_check.hpp"
 #include "worker/imu/estimate_alignment.hpp"
+#include "worker/imu/usable_samples.hpp"
 #include "worker/markers/measure_bars.hpp"
 #include "worker/markers/survey_markers.hpp"
 #include "worker/pipeline/stage_functions.hpp"
@@ -102,15 +103,15 @@ std::vector<evaluation::ScaleSource> scale_sources(const Reconstruction& made) {
                 std::hypot(made.markers->scale->sigma, made.markers->systematic_scale_sigma)});
     const types::OptimisedTrack& optimised = made.optimised;
     if (!optimised.breaks_ns.empty()) return sources;
-    if (made.options().use_imu && !made.track.left_out.imu && !made.track.left_out.accelerometer) {
+    if (made.options().use_imu) {
         auto check = evaluation::scale_by_accelerometer(
-            imu::aligned(made.recording.imu(),
+            imu::aligned(imu::usable_forces(made.recording, made.track.left_out),
                          {optimised.calibration.applied_alignment().time_offset_s}),
             optimised.trajectory);
         if (check) check->sigma = std::hypot(check->sigma, kAccelerometerScaleSigma);
         add("accelerometer", check);
     }
-    if (made.options().use_pressure)
+    if (made.options().use_pressure && !made.track.left_out.pressure)
         add("pressure",
             evaluation::scale_by_pressure(made.recording.pressure(),
                                           optimised.trajectory,

@@ -101,6 +101,7 @@ types::Track TrackOptimiser::closed_track() {
     closed.keyframes = track_.keyframes;
     closed.landmarks = track_.landmarks;
     closed.imu_alignment = track_.imu_alignment;
+    closed.left_out = track_.left_out;
     const auto outcome =
         loops::close_loops(closed.rig, loops_, drift_, closed.keyframes, closed.landmarks);
     if (!outcome) return closed;

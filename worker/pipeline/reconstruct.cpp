@@ -7,6 +7,7 @@
 #include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/optimise_track.hpp"
 #include "worker/pipeline/pairwise_tracker.hpp"
+#include "worker/pipeline/sensor_findings.hpp"
 #include "worker/pipeline/solver_findings.hpp"
 #include "worker/pipeline/tracking_findings.hpp"
 #include "worker/pipeline/window_tracker.hpp"
@@ -26,6 +27,22 @@ types::OptimisedTrack as_tracked(const types::Track& track) {
     return result;
 }
 
+// Leaves out a pressure sensor that contradicts the path.
+void judge_pressure(const types::Recording& recording,
+                    const ReconstructionOptions& options,
+                    types::Track& track) {
+    if (!options.use_pressure) return;
+    const imu::InertialPrior inertial(recording, options, track.left_out);
+    const imu::PressureJudgement judgement =
+        imu::judge_pressure(recording.pressure(),
+                            track.causal,
+                            track.breaks_ns,
+                            inertial.has_accelerometer() || inertial.has_ahrs());
+    if (judgement.fault == imu::PressureFault::None) return;
+    track.left_out.pressure = true;
+    track.findings.push_back(pressure_left_out(judgement));
+}
+
 }  // namespace
 
 types::Track track(types::Recording& recording,
@@ -38,6 +55,7 @@ types::Track track(types::Recording& recording,
     bridge_by_imu(imu::InertialPrior(recording, options, result.left_out), result);
     result.breaks_ns = breaks_of(result);
     drop_unmeasured_keyframes(result);
+    judge_pressure(recording, options, result);
     return result;
 }
 

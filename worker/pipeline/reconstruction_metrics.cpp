@@ -32,7 +32,8 @@ evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments
          .optimise = made.optimised.statistics,
          .known_distances = known ? &*known : nullptr,
          .mesh = made.request.options.surface ? &made.surface.mesh : nullptr,
-         .imu_clock_offset_s = made.optimised.calibration.applied_alignment().time_offset_s});
+         .imu_clock_offset_s = made.optimised.calibration.applied_alignment().time_offset_s,
+         .sensors_left_out = made.track.left_out});
 }
 
 std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {

@@ -9,6 +9,8 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr const char* kImuTable = "mav0/imu0/data.csv";
+constexpr const char* kAhrsTable = "mav0/ahrs0/data.csv";
+constexpr const char* kPressureTable = "mav0/pressure0/data.csv";
 
 std::string percent(double share) { return base::fixed(100.0 * share, 0) + " %"; }
 
@@ -56,11 +58,15 @@ Finding imu_left_out_for_a_time(const imu::SensorPlan& plan) {
     double seconds = 0.0;
     for (const types::TimeInterval& time : plan.left_out.imu_times)
         seconds += 1e-9 * static_cast<double>(time.to_ns - time.from_ns);
+    const std::string duration = " for " + base::fixed(seconds, 0) + " s; likely cause: ";
+    const bool explained = plan.gyroscope.fault != imu::GyroscopeFault::None;
     return {Severity::Warning,
             "imu_left_out_for_a_time",
             kImuTable,
-            mismatch(plan.gyroscope) + " for " + base::fixed(seconds, 0) + " s; likely cause: " +
-                cause(plan.gyroscope) + " there. The IMU was left out for that time",
+            (explained ? mismatch(plan.gyroscope) + duration + cause(plan.gyroscope) + " there"
+                       : "the IMU does not match the images" + duration +
+                             "noise, a sensor that failed, or rows of another time") +
+                ". The IMU was left out for that time",
             "check the rows of the IMU's table at that time"};
 }
 
@@ -98,13 +104,73 @@ Finding clock_offset(double offset_s) {
             "correct the clock, or the table's time stamps"};
 }
 
+// Names what is likely to be wrong with the AHRS.
+std::string cause(const imu::AhrsJudgement& judgement) {
+    const imu::GyroscopeJudgement& rotation = judgement.rotation;
+    if (judgement.fault == imu::AhrsFault::Inverse)
+        return "its quaternions map the world to the IMU, the inverse of what is asked for";
+    if (judgement.fault == imu::AhrsFault::ScalarLast)
+        return "w is the last number of its quaternions, not the first";
+    if (rotation.fit == imu::GyroscopeFit::FitsShifted)
+        return "its clock is " + base::fixed(1000.0 * std::abs(rotation.time_offset_s), 0) +
+               " ms " + (rotation.time_offset_s > 0.0 ? "ahead of" : "behind") +
+               " that of the cameras";
+    if (rotation.fault == imu::GyroscopeFault::Mirrored ||
+        rotation.fault == imu::GyroscopeFault::Turned)
+        return "its " + axis_or_axes(rotation.axes) + (rotation.axes.size() > 1 ? " are" : " is") +
+               " exchanged or mirrored";
+    return "its clock differs from that of the cameras by more than " +
+           base::fixed(imu::kMaxOffset_s, 0) +
+           " s, it belongs to another dive, or its quaternions are of another convention";
+}
+
+Finding ahrs_left_out(const imu::AhrsJudgement& judgement) {
+    return {Severity::Warning,
+            "ahrs_left_out",
+            kAhrsTable,
+            "the rotations of the AHRS do not match those of the images (mismatch " +
+                percent(std::sqrt(judgement.rotation.unexplained_share)) + "); likely cause: " +
+                cause(judgement) + ". The dive was reconstructed without its AHRS",
+            "check the order and the sense of the AHRS's quaternions, its axes and its clock"};
+}
+
+// Names what is likely to be wrong with the pressure sensor.
+std::string cause(const imu::PressureJudgement& judgement) {
+    switch (judgement.fault) {
+        case imu::PressureFault::Reversed: return "it counts upwards";
+        case imu::PressureFault::Scaled: return "its units are wrong, or its range was exceeded";
+        case imu::PressureFault::Held:
+            return percent(judgement.held_share) +
+                   " of its readings stay at one value: its range "
+                   "was exceeded, or its port is blocked";
+        case imu::PressureFault::None:
+        case imu::PressureFault::Unexplained: break;
+    }
+    return "its clock is not that of the cameras, or it belongs to another dive";
+}
+
 }  // namespace
+
+Finding pressure_left_out(const imu::PressureJudgement& judgement) {
+    return {Severity::Warning,
+            "pressure_left_out",
+            kPressureTable,
+            "the depth by pressure changes by " + base::fixed(judgement.scale, 2) +
+                " times what the images say, with an error of " +
+                base::fixed(judgement.error_m, 2) + " m; likely cause: " + cause(judgement) +
+                ". The dive was reconstructed without its pressure sensor",
+            "check sign, units, range and clock of the pressure sensor's table"};
+}
 
 std::vector<Finding> sensor_findings(const imu::SensorPlan& plan) {
     std::vector<Finding> findings;
+    if (plan.left_out.ahrs) findings.push_back(ahrs_left_out(plan.ahrs));
     const bool explained = plan.gyroscope.fault != imu::GyroscopeFault::None;
-    if (plan.imu_on_probation || (plan.left_out.imu && !explained)) return {imu_not_confirmed()};
-    if (plan.left_out.imu) return {imu_left_out(plan.gyroscope)};
+    if (plan.imu_on_probation || plan.left_out.imu) {
+        findings.push_back(plan.imu_on_probation || !explained ? imu_not_confirmed()
+                                                               : imu_left_out(plan.gyroscope));
+        return findings;
+    }
     if (plan.time_offset_s != 0.0) findings.push_back(clock_offset(plan.time_offset_s));
     if (!plan.left_out.imu_times.empty()) findings.push_back(imu_left_out_for_a_time(plan));
     if (plan.left_out.accelerometer)

@@ -108,6 +108,7 @@ void fields(auto& file, Is<types::SensorsLeftOut> auto& left_out) {
     file.flag(left_out.imu);
     file.flag(left_out.accelerometer);
     file.flag(left_out.ahrs);
+    file.flag(left_out.pressure);
     file.vector(left_out.imu_times);
 }
 

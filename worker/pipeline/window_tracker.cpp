@@ -30,7 +30,9 @@ WindowTracker::WindowTracker(const types::RectifiedRig& rig,
       recovery_(state_),
       rest_(rig, state_.inertial, state_.motion),
       aligner_(recording, plan.left_out, plan.time_offset_s),
-      sensors_(recording, options.use_imu && recording.rig().imu_noise, plan),
+      sensors_(recording,
+               {.imu = options.use_imu && recording.rig().imu_noise, .ahrs = options.use_ahrs},
+               plan),
       mapping_rule_(rig, options.surface ? options.map_step : 0.0) {
     if (plan.time_offset_s != 0.0) state_.inertial.align({plan.time_offset_s});
 }

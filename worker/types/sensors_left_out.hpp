@@ -16,6 +16,7 @@ struct SensorsLeftOut {
     bool imu = false;
     bool accelerometer = false;  // the gyroscope is used
     bool ahrs = false;
+    bool pressure = false;
     std::vector<TimeInterval> imu_times;  // on the IMU's clock; it is used at all other times
 };
 

@@ -3,9 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
+#include "worker/imu/usable_samples.hpp"
 
 namespace divemesh::imu {
 namespace {
@@ -42,7 +44,7 @@ struct Watched {
 
 Watched watched(const types::Recording& recording, const SensorPlan& plan = {}, int lost_at = -1) {
     InertialPrior inertial(recording, preset_options("standard"), plan.left_out);
-    Watched result{SensorWatch(recording, true, plan)};
+    Watched result{SensorWatch(recording, {.imu = true, .ahrs = true}, plan)};
     for (int k = 1; k <= kNumFrames && !result.watch.restart(); ++k) {
         result.num_frames = k;
         if (lost_at <= k && k < lost_at + 4) {
@@ -123,6 +125,65 @@ TEST(SensorWatchTest, AnImuThatFailsInTheMiddleIsLeftOutForThatTime) {
     EXPECT_GT(time.from_ns, 8'000'000'000);
     EXPECT_GT(time.to_ns, 25'000'000'000);
     EXPECT_LT(time.to_ns, 40'000'000'000);
+}
+
+// Expects that the samples from 18 to 22 s are left out, and few others.
+void expect_left_out(const types::Recording& recording) {
+    const Watched seen = watched(recording);
+    EXPECT_FALSE(seen.watch.restart());
+    const auto plan = seen.watch.restart_at_end();
+    ASSERT_TRUE(plan);
+    EXPECT_FALSE(plan->left_out.imu);
+    const auto usable = usable_rates(recording, plan->left_out);
+    for (const types::ImuSample& sample : usable)
+        EXPECT_FALSE(sample.timestamp_ns > 18'000'000'000 && sample.timestamp_ns < 22'000'000'000);
+    const double num_left_out = static_cast<double>(recording.imu().size() - usable.size());
+    EXPECT_LT(num_left_out, 200.0 * 8.0);
+    // Without these rows nothing is wrong.
+    EXPECT_FALSE(watched(recording, *plan).watch.restart_at_end());
+}
+
+TEST(SensorWatchTest, AGyroscopeThatFailsForSecondsIsLeftOutForThem) {
+    expect_left_out(dive([](types::ImuSample& sample) {
+        if (sample.timestamp_ns < 18'000'000'000 || sample.timestamp_ns > 22'000'000'000) return;
+        sample.angular_velocity_imu << 0.4, -0.3, 0.2;
+    }));
+}
+
+TEST(SensorWatchTest, AnAccelerometerThatFailsForSecondsIsLeftOutForThem) {
+    expect_left_out(dive([](types::ImuSample& sample) {
+        if (sample.timestamp_ns < 18'000'000'000 || sample.timestamp_ns > 22'000'000'000) return;
+        sample.acceleration_imu << 3.0, 3.0, 9.0;
+    }));
+}
+
+TEST(SensorWatchTest, NoiseOfSecondsIsLeftOut) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    expect_left_out(dive([&](types::ImuSample& sample) {
+        if (sample.timestamp_ns < 18'000'000'000 || sample.timestamp_ns > 22'000'000'000) return;
+        for (int axis = 0; axis < 3; ++axis) {
+            sample.angular_velocity_imu[axis] += 3.0 * normal(random);
+            sample.acceleration_imu[axis] += 10.0 * normal(random);
+        }
+    }));
+}
+
+TEST(SensorWatchTest, AnAhrsIsJudgedWithoutAnImu) {
+    synthetic::SensorRecording recording;
+    for (int k = 0; k <= 10 * kNumFrames; ++k) {
+        const double t_s = 0.01 * k;
+        recording.its_ahrs.push_back(
+            {std::llround(1e9 * t_s), Eigen::Quaterniond(T_world_body(t_s).linear())});
+    }
+    EXPECT_FALSE(watched(recording).watch.restart_at_end());
+    for (types::OrientationSample& sample : recording.its_ahrs)
+        sample.q_world_imu = sample.q_world_imu.conjugate();
+    const auto plan = watched(recording).watch.restart_at_end();
+    ASSERT_TRUE(plan);
+    EXPECT_TRUE(plan->left_out.ahrs);
+    EXPECT_EQ(plan->ahrs.fault, AhrsFault::Inverse);
+    EXPECT_FALSE(watched(recording, *plan).watch.restart_at_end());
 }
 
 }  // namespace

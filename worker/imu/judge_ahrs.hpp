@@ -1,0 +1,29 @@
+#pragma once
+
+#include <vector>
+
+#include "worker/imu/judge_gyroscope.hpp"
+#include "worker/types/recording.hpp"
+
+namespace divemesh::imu {
+
+// What explains the contradiction between AHRS and vision.
+enum class AhrsFault {
+    None,
+    Inverse,     // the quaternions map the world to the body
+    ScalarLast,  // w is written last
+    AsGyroscope  // `rotation` tells
+};
+
+struct AhrsJudgement {
+    AhrsFault fault = AhrsFault::None;
+    GyroscopeJudgement rotation;  // of the first time that contradicts
+};
+
+// Compares the rotations of the AHRS with those of vision over the whole dive, in parts of 40
+// spans, as judge_gyroscope() does. It contradicts vision if it does in more than half of the parts
+// in which the rig turns.
+AhrsJudgement judge_ahrs(const std::vector<types::OrientationSample>& orientations,
+                         const std::vector<TurnSpan>& spans);
+
+}  // namespace divemesh::imu

@@ -1,0 +1,157 @@
+#include "worker/imu/judge_pressure.hpp"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "worker/stats/median.hpp"
+
+namespace divemesh::imu {
+namespace {
+
+constexpr std::int64_t kBin_ns = 500'000'000;
+constexpr std::size_t kBinsOfChange = 10;
+constexpr std::size_t kMinChanges = 16;  // thirteen seconds
+constexpr double kKept = 0.9;            // share of the changes
+constexpr double kUsualNoise_m = 0.05;   // of a change, by waves above and by vision
+constexpr double kLeastNoise_m = 0.01;   // what is common to all changes does not show in them
+constexpr double kKnownTilt_rad = 0.1;   // of the path, with what the accelerometer's bias does
+constexpr double kUnknownTilt_rad = 0.4;
+// A calibration that is off by as much is what the pressure sensor is to tell.
+constexpr double kMaxScaleError = 0.2;
+constexpr double kContradicts_sigmas = 4.0;
+constexpr double kMaxError_m = 5.0 * kUsualNoise_m;
+// Share of the readings at one end that is no swing: of a sine a tenth is as near to its crest.
+constexpr double kHeld = 0.25;
+constexpr double kHeldStep = 0.02;  // of the range of the readings
+constexpr double kReversed = 0.5;   // of a scale from -1
+
+// Medians of half a second.
+struct Bin {
+    std::int64_t time_ns = 0;
+    double depth_m = 0.0;
+    Eigen::Vector3d p_world = Eigen::Vector3d::Zero();
+};
+
+struct Change {
+    double depth_m = 0.0;
+    Eigen::Vector3d path_m = Eigen::Vector3d::Zero();  // x, y, -z
+    double error_m = 0.0;
+};
+
+std::vector<Bin> bins_of(const std::vector<types::PressureSample>& pressure,
+                         const types::Trajectory& trajectory) {
+    std::vector<Bin> bins;
+    auto sample = pressure.begin();
+    for (const types::StampedPose& pose : trajectory) {
+        if (!bins.empty() && pose.timestamp_ns - bins.back().time_ns < kBin_ns) continue;
+        while (sample != pressure.end() && sample->timestamp_ns < pose.timestamp_ns - kBin_ns / 2)
+            ++sample;
+        std::vector<double> depths;
+        for (auto near = sample; near != pressure.end(); ++near) {
+            if (near->timestamp_ns > pose.timestamp_ns + kBin_ns / 2) break;
+            depths.push_back(near->depth_m);
+        }
+        if (!depths.empty())
+            bins.push_back(
+                {pose.timestamp_ns, stats::median(depths), pose.T_world_imu.translation()});
+    }
+    return bins;
+}
+
+// Returns the changes between bins ten apart, where nothing was lost between them.
+std::vector<Change> changes_of(const std::vector<Bin>& bins, const types::Breaks& breaks_ns) {
+    std::vector<Change> changes;
+    for (std::size_t i = kBinsOfChange; i < bins.size(); ++i) {
+        const Bin& from = bins[i - kBinsOfChange];
+        const Bin& to = bins[i];
+        const auto lost = std::upper_bound(breaks_ns.begin(), breaks_ns.end(), from.time_ns);
+        if (lost != breaks_ns.end() && *lost <= to.time_ns) continue;
+        const Eigen::Vector3d way = to.p_world - from.p_world;
+        changes.push_back({to.depth_m - from.depth_m, {way.x(), way.y(), -way.z()}});
+    }
+    return changes;
+}
+
+// The tilts and the scale, and how far they are known.
+struct Fit {
+    Eigen::Vector3d slopes = Eigen::Vector3d::Zero();
+    double scale_sigma = 0.0;
+};
+
+// Fits the changes and sorts them by their errors.
+Fit fit_changes(std::size_t num, double noise_m, double tilt_rad, std::vector<Change>& changes) {
+    // Changes that overlap repeat the same noise.
+    const double variance_m2 = noise_m * noise_m * static_cast<double>(kBinsOfChange);
+    Eigen::Matrix3d information = Eigen::Matrix3d::Zero();
+    information.diagonal() << 1.0, 1.0, 0.0;
+    information *= 1.0 / (tilt_rad * tilt_rad);
+    information(2, 2) = 1e-6;  // a dive that never changes its depth
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (std::size_t i = 0; i < num; ++i) {
+        information += changes[i].path_m * changes[i].path_m.transpose() / variance_m2;
+        right += changes[i].path_m * changes[i].depth_m / variance_m2;
+    }
+    const Eigen::Matrix3d covariance = information.inverse();
+    const Fit fit{covariance * right, std::sqrt(covariance(2, 2))};
+    for (Change& change : changes)
+        change.error_m = std::abs(change.depth_m - fit.slopes.dot(change.path_m));
+    std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
+        return a.error_m < b.error_m;
+    });
+    return fit;
+}
+
+double rms_error_m(std::size_t num, const std::vector<Change>& changes) {
+    double squares = 0.0;
+    for (std::size_t i = 0; i < num; ++i) squares += changes[i].error_m * changes[i].error_m;
+    return std::sqrt(squares / static_cast<double>(num));
+}
+
+// Returns the share of the readings that stay at the highest or the lowest.
+double held_share(const std::vector<types::PressureSample>& pressure) {
+    std::vector<double> depths;
+    for (const types::PressureSample& sample : pressure) depths.push_back(sample.depth_m);
+    const auto [least, most] = std::minmax_element(depths.begin(), depths.end());
+    const double step = kHeldStep * (*most - *least);
+    const auto num_at = [&](double end) {
+        return std::count_if(depths.begin(), depths.end(), [&](double depth) {
+            return std::abs(depth - end) <= step;
+        });
+    };
+    return static_cast<double>(std::max(num_at(*least), num_at(*most))) /
+           static_cast<double>(depths.size());
+}
+
+}  // namespace
+
+PressureJudgement judge_pressure(const std::vector<types::PressureSample>& pressure,
+                                 const types::Trajectory& trajectory,
+                                 const types::Breaks& breaks_ns,
+                                 bool vertical_is_known) {
+    std::vector<Change> changes = changes_of(bins_of(pressure, trajectory), breaks_ns);
+    if (changes.size() < kMinChanges) return {};
+    const double tilt_rad = vertical_is_known ? kKnownTilt_rad : kUnknownTilt_rad;
+    fit_changes(changes.size(), kUsualNoise_m, tilt_rad, changes);
+    const auto num = static_cast<std::size_t>(kKept * static_cast<double>(changes.size()));
+    const double noise_m = std::max(kLeastNoise_m, rms_error_m(num, changes));
+    const Fit fit = fit_changes(num, noise_m, tilt_rad, changes);
+    PressureJudgement judgement;
+    judgement.scale = fit.slopes.z();
+    judgement.error_m = rms_error_m(num, changes);
+    judgement.held_share = held_share(pressure);
+    const double limit = std::max(kMaxScaleError, kContradicts_sigmas * fit.scale_sigma);
+    const bool explained = judgement.error_m < kMaxError_m;
+    if (explained && std::abs(judgement.scale - 1.0) < limit) return judgement;
+    if (judgement.held_share > kHeld)
+        judgement.fault = PressureFault::Held;
+    else if (!explained)
+        judgement.fault = PressureFault::Unexplained;
+    else
+        judgement.fault = std::abs(judgement.scale + 1.0) < kReversed ? PressureFault::Reversed
+                                                                      : PressureFault::Scaled;
+    return judgement;
+}
+
+}  // namespace divemesh::imu

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "worker/types/breaks.hpp"
+#include "worker/types/recording.hpp"
+
+namespace divemesh::imu {
+
+// What explains the contradiction between pressure sensor and vision.
+enum class PressureFault {
+    None,
+    Unexplained,  // another dive's readings, another clock, or a blocked port
+    Reversed,     // counts upwards
+    Scaled,       // `scale`: wrong units, or of density
+    Held,         // `held_share` of the readings stay at one end: the range is exceeded
+};
+
+struct PressureJudgement {
+    PressureFault fault = PressureFault::None;
+    double scale = 1.0;       // of depths by pressure over those by vision
+    double error_m = 0.0;     // RMS of the changes of depth that the scale does not explain
+    double held_share = 0.0;  // of the readings
+};
+
+// Compares the changes of depth over five seconds by pressure and by vision. Least squares over
+//
+//     change of depth = s (-change of z) + a (change of x) + b (change of y)
+//
+// where a and b, the tilt of the path, have a prior: small where another sensor tells the vertical.
+// The sensor contradicts vision if s is not 1 or if the changes do not fit whatever s is; waves
+// above and a scale that the cameras do not know well are no contradiction. A dive that hardly
+// changes its depth tells nothing. The tenth of the changes that fits worst is set aside: single
+// readings that are wrong do no harm.
+PressureJudgement judge_pressure(const std::vector<types::PressureSample>& pressure,
+                                 const types::Trajectory& trajectory,
+                                 const types::Breaks& breaks_ns,
+                                 bool vertical_is_known);
+
+}  // namespace divemesh::imu

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "worker/types/recording.hpp"
+#include "worker/types/sensors_left_out.hpp"
+
+namespace divemesh::imu {
+
+// Returns the samples outside the times.
+std::vector<types::ImuSample> without(const std::vector<types::TimeInterval>& times,
+                                      const std::vector<types::ImuSample>& samples);
+
+// Return the samples of the dive's IMU, on its own clock, whose angular velocity or whose specific
+// force may be used: what contradicts the images is left out. Nothing takes them from the recording
+// itself but what judges the IMU.
+std::vector<types::ImuSample> usable_rates(const types::Recording& recording,
+                                           const types::SensorsLeftOut& left_out);
+std::vector<types::ImuSample> usable_forces(const types::Recording& recording,
+                                            const types::SensorsLeftOut& left_out);
+
+}  // namespace divemesh::imu
