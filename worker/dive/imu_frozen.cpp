@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::size_t kMinRows = 10;
 constexpr std::int64_t kMinDuration_ns = 100'000'000;
-// Of one of the two sensors: a coarse one may repeat itself for a while at rest.
+// One of the two sensors alone must hang for longer: a coarse one may repeat itself at rest.
 constexpr std::int64_t kMinDurationOfOne_ns = 1'000'000'000;
 
 using Samples = std::vector<types::ImuSample>;

@@ -25,7 +25,8 @@ struct ScaleSource {
     ScaleCheck check;
 };
 
-// What measured lengths beside the cameras; without data, or if they must not be used, empty.
+// The data that measure lengths beside the cameras; empty where there are none or they must not be
+// used.
 struct LengthData {
     std::vector<types::ImuSample> imu;  // on the cameras' clock
     std::vector<types::PressureSample> pressure;
@@ -34,7 +35,7 @@ struct LengthData {
     std::size_t num_segments = 1;                          // of the dive
 };
 
-// What all sources say of the scale, without the error of the cameras' own scale.
+// The scale by all sources, without the error of the cameras' own scale.
 struct ScaleSources {
     std::vector<ScaleSource> told;  // to 10 % or better
     std::vector<LeftOut> left_out;  // the others

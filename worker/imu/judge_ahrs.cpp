@@ -12,8 +12,8 @@ namespace {
 constexpr std::size_t kSpansOfPart = 40;
 constexpr std::int64_t kMaxGap_ns = 300'000'000;  // over a longer one the rate is not constant
 constexpr std::int64_t kStep_ns = 10'000'000;
-// Of a rotation that is none of the rig's it is one or more; the noise of an AHRS, which changes
-// from one orientation to the next as a gyroscope's angle does not, is below a quarter.
+// A rotation that is none of the rig's leaves one or more unexplained; the noise of an AHRS, which
+// changes from one orientation to the next as a gyroscope's angle does not, less than a quarter.
 constexpr double kContradicts = 0.5;
 
 using Orientations = std::vector<types::OrientationSample>;

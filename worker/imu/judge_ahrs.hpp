@@ -7,7 +7,7 @@
 
 namespace divemesh::imu {
 
-// What explains the contradiction between AHRS and vision.
+// The cause of a contradiction between AHRS and vision.
 enum class AhrsFault {
     None,
     Inverse,     // the quaternions map the world to the body

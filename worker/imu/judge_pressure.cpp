@@ -15,7 +15,7 @@ constexpr std::size_t kBinsOfChange = 10;
 constexpr std::size_t kMinChanges = 16;  // thirteen seconds
 constexpr double kKept = 0.9;            // share of the changes
 constexpr double kUsualNoise_m = 0.05;   // of a change, by waves above and by vision
-constexpr double kLeastNoise_m = 0.01;   // what is common to all changes does not show in them
+constexpr double kMinNoise_m = 0.01;     // what is common to all changes does not show in them
 constexpr double kKnownTilt_rad = 0.1;   // of the path, with what the accelerometer's bias does
 constexpr double kUnknownTilt_rad = 0.4;
 // A calibration that is off by as much is what the pressure sensor is to tell.
@@ -135,7 +135,7 @@ PressureJudgement judge_pressure(const std::vector<types::PressureSample>& press
     const double tilt_rad = vertical_is_known ? kKnownTilt_rad : kUnknownTilt_rad;
     fit_changes(changes.size(), kUsualNoise_m, tilt_rad, changes);
     const auto num = static_cast<std::size_t>(kKept * static_cast<double>(changes.size()));
-    const double noise_m = std::max(kLeastNoise_m, rms_error_m(num, changes));
+    const double noise_m = std::max(kMinNoise_m, rms_error_m(num, changes));
     const Fit fit = fit_changes(num, noise_m, tilt_rad, changes);
     PressureJudgement judgement;
     judgement.scale = fit.slopes.z();

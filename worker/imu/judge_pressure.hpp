@@ -7,7 +7,7 @@
 
 namespace divemesh::imu {
 
-// What explains the contradiction between pressure sensor and vision.
+// The cause of a contradiction between pressure sensor and vision.
 enum class PressureFault {
     None,
     Unexplained,  // another dive's readings, another clock, or a blocked port

@@ -7,7 +7,7 @@
 
 namespace divemesh::imu {
 
-// What a sensor measured over a time, less what it should have measured. Constant, or slowly
+// The error of a sensor over a time: measured less expected. Constant, or slowly
 // varying as a bias is, if the sensor is right.
 struct Difference {
     types::TimeInterval time;

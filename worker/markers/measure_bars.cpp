@@ -10,8 +10,8 @@ constexpr double kMinSigma_m = 1e-5;
 // Error with which an edge between black and white is read, the same for all edges of a tag: 0.1 to
 // 0.25 px on dark tags with a tone curve of 1/2.2 and a point spread of a pixel.
 constexpr double kEdge_px = 0.2;
-// Of all printed sizes alike where nothing is stated of it: printers that fit a sheet to their page
-// print it at 94 to 98 %.
+// Standard deviation that all printed sizes share where none is stated: printers that fit a sheet
+// to their page print it at 94 to 98 %.
 constexpr double kPrintingSigma = 0.02;
 constexpr int kMinBarsForLeavingOut = 3;
 constexpr double kTolerated_sigmas = 3.0;

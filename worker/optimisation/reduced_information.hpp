@@ -49,7 +49,7 @@ struct SharedJacobian {
     std::vector<Constant> constants;
 };
 
-// What the residuals say of the shared errors themselves.
+// The information in the residuals about the shared errors themselves.
 struct SharedScores {
     SharedScores(Eigen::Index num_kept, Eigen::Index num_columns)
         : information(Eigen::MatrixXd::Zero(num_columns, num_columns)),

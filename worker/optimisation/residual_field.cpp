@@ -5,7 +5,7 @@
 namespace divemesh::optimisation {
 namespace {
 
-// Where a coordinate lies between nodes.
+// The position of a coordinate between two nodes.
 struct BetweenNodes {
     int first = 0;
     double share = 0.0;  // of the next node

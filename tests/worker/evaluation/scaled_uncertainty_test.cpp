@@ -7,6 +7,7 @@
 #include <cmath>
 #include <random>
 
+#include "tests/synthetic/trajectory_error.hpp"
 #include "worker/evaluation/combined_scale.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 
@@ -62,18 +63,6 @@ struct Path {
     types::PathUncertainty uncertainty;
 };
 
-double ate_m(const Positions& estimate, const Positions& truth) {
-    Eigen::Matrix3Xd a(3, kNumPositions), b(3, kNumPositions);
-    for (int i = 0; i < kNumPositions; ++i) {
-        a.col(i) = estimate[static_cast<std::size_t>(i)];
-        b.col(i) = truth[static_cast<std::size_t>(i)];
-    }
-    const Eigen::Matrix4d T = Eigen::umeyama(a, b, false);
-    const Eigen::Matrix3Xd aligned =
-        (T.topLeftCorner<3, 3>() * a).colwise() + Eigen::Vector3d(T.topRightCorner<3, 1>());
-    return std::sqrt((aligned - b).squaredNorm() / kNumPositions);
-}
-
 // How often the bounds that are stated after the correction held.
 struct Held {
     double ate = 0.0;
@@ -102,7 +91,7 @@ Held held(double cameras_sigma, double sensor_sigma, double off) {
                                                   ways_from_start(path.trajectory, {}, {}),
                                                   path.uncertainty.shared_scale_sigma,
                                                   sigma);
-        const double ate = ate_m(seen, path.truth);
+        const double ate = std::sqrt(synthetic::squared_ate_m2(seen, path.truth));
         const double bound_m =
             std::sqrt(optimisation::quantile_95(after.mean_square_m2, after.degrees_of_freedom));
         const double end_bound_m =

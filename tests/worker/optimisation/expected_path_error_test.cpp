@@ -7,6 +7,8 @@
 #include <cmath>
 #include <random>
 
+#include "tests/synthetic/trajectory_error.hpp"
+
 namespace divemesh::optimisation {
 namespace {
 
@@ -44,18 +46,6 @@ Path walked(Path path, std::mt19937& random) {
     return path;
 }
 
-double squared_ate_m2(const Path& estimate, const Path& truth) {
-    Eigen::Matrix3Xd a(3, kNumPositions), b(3, kNumPositions);
-    for (int i = 0; i < kNumPositions; ++i) {
-        a.col(i) = estimate[static_cast<std::size_t>(i)];
-        b.col(i) = truth[static_cast<std::size_t>(i)];
-    }
-    const Eigen::Matrix4d T = Eigen::umeyama(a, b, false);
-    const Eigen::Matrix3Xd aligned =
-        (T.topLeftCorner<3, 3>() * a).colwise() + Eigen::Vector3d(T.topRightCorner<3, 1>());
-    return (aligned - b).squaredNorm() / kNumPositions;
-}
-
 double share_below(const std::vector<double>& values, double limit) {
     return static_cast<double>(std::count_if(
                values.begin(), values.end(), [&](double value) { return value <= limit; })) /
@@ -69,7 +59,7 @@ TEST(PathUncertaintyTest, BoundsTheErrorsOfRandomWalksAfterAlignment) {
     std::vector<double> errors_m2;
     double mean_m2 = 0.0;
     for (int run = 0; run < kNumRuns; ++run) {
-        errors_m2.push_back(squared_ate_m2(walked(truth, random), truth));
+        errors_m2.push_back(synthetic::squared_ate_m2(walked(truth, random), truth));
         mean_m2 += errors_m2.back() / kNumRuns;
     }
     EXPECT_NEAR(path.mean_square_m2, mean_m2, 0.05 * mean_m2);
