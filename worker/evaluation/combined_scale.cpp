@@ -1,30 +1,20 @@
 #include "worker/evaluation/combined_scale.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <utility>
 
 namespace divemesh::evaluation {
 namespace {
 
+constexpr double kBetter = 0.75;        // of the cameras' sigma
 constexpr double kMaxCorrection = 0.1;  // beyond it a size was stated wrong
 
 double information(const ScaleCheck& check) { return 1.0 / (check.sigma * check.sigma); }
 
 ScaleCheck mean_of(const std::vector<ScaleSource>& sources) {
-    double weight = 0.0;
-    double weighted = 0.0;
-    for (const ScaleSource& source : sources) {
-        weight += information(source.check);
-        weighted += information(source.check) * source.check.scale;
-    }
-    const double mean = weighted / weight;
-    double chi2 = 0.0;
-    for (const ScaleSource& source : sources)
-        chi2 += information(source.check) * std::pow(source.check.scale - mean, 2);
-    const double ratio =
-        sources.size() > 1 ? std::sqrt(chi2 / static_cast<double>(sources.size() - 1)) : 1.0;
-    return {mean, std::max(1.0, ratio) / std::sqrt(weight)};
+    std::vector<ScaleCheck> checks;
+    for (const ScaleSource& source : sources) checks.push_back(source.check);
+    return weighted_mean(checks);
 }
 
 }  // namespace
@@ -34,6 +24,7 @@ CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_si
     result.sensors = mean_of(sources);
     result.sources = std::move(sources);
     result.differs = is_contradicted(result.sensors);
+    result.is_better = result.sensors.sigma <= kBetter * cameras_sigma;
     const double with_cameras = std::hypot(result.sensors.sigma, cameras_sigma);
     result.refuted = is_contradicted({result.sensors.scale, with_cameras});
     if (result.refuted) {
@@ -52,7 +43,8 @@ std::optional<CombinedScale> scale_correction(const std::vector<ScaleSource>& so
                                               double cameras_sigma) {
     if (sources.empty() || cameras_sigma <= 0.0) return std::nullopt;
     const CombinedScale scale = combined_scale(sources, cameras_sigma);
-    if (!scale.differs || std::abs(scale.factor - 1.0) > kMaxCorrection) return std::nullopt;
+    if (!scale.differs && !scale.is_better) return std::nullopt;
+    if (std::abs(scale.factor - 1.0) > kMaxCorrection) return std::nullopt;
     return scale;
 }
 

@@ -16,18 +16,20 @@ struct CombinedScale {
     // All lengths have to be multiplied by it: the sensors' scale weighted with the cameras', or
     // the sensors' alone if the calibration is refuted.
     double factor = 1.0;
-    double sigma = 0.0;    // of the factor
-    bool differs = false;  // the sensors' mean is more than three of its sigmas from 1
-    bool refuted = false;  // and three of both's: the rig is not as it was calibrated
+    double sigma = 0.0;      // of the factor
+    bool differs = false;    // the sensors' mean is more than three of its sigmas from 1
+    bool refuted = false;    // and three of both's: the rig is not as it was calibrated
+    bool is_better = false;  // the sensors' sigma is at most three quarters of the cameras'
 };
 
 // Returns the scale by sensors and by cameras whose own scale has the sigma `cameras_sigma`.
 // `sources` must not be empty.
 CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_sigma);
 
-// Returns the scale by which the result has to be multiplied. Returns nullopt if the sensors' mean
-// does not differ from the cameras' scale, or by more than 10 %, as then a size was stated wrong;
-// and for a path without a stated error (`cameras_sigma` 0), which cannot be weighed.
+// Returns the scale by which the result has to be multiplied: if the sensors' mean differs from the
+// cameras' scale, or is known clearly better. Returns nullopt otherwise, and if the two
+// differ by more than 10 %, as then a size was stated wrong; and for a path without a stated error
+// (`cameras_sigma` 0), which cannot be weighed.
 std::optional<CombinedScale> scale_correction(const std::vector<ScaleSource>& sources,
                                               double cameras_sigma);
 

@@ -48,7 +48,10 @@ void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
 }
 
 void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluation& evaluation) {
-    const KnownPath path{input.trajectory, input.covariances, input.scale_sigma};
+    const KnownPath path{input.trajectory,
+                         input.covariances,
+                         input.scale_sigma,
+                         segments_of(input.trajectory, input.keyframes, input.breaks_ns)};
     if (!has_truth) {
         evaluation.known_distances =
             measure_known_distances(input.known_distances, nullptr, input.rig, path);

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "worker/camera/projection.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
@@ -13,7 +14,7 @@
 namespace divemesh::evaluation {
 namespace {
 
-constexpr int kMinKeyframes = 4;
+constexpr std::size_t kMinKeyframes = 4;
 
 // A pixel, the camera that saw it, and the camera's pose.
 struct View {
@@ -132,7 +133,7 @@ struct End {
 std::optional<End> end_of(const std::vector<dive::Mark>& marks,
                           const types::Rig& rig,
                           const types::Trajectory& path) {
-    const std::vector<View> views = views_of(marks, rig, path, kMinKeyframes);
+    const std::vector<View> views = views_of(marks, rig, path, static_cast<int>(kMinKeyframes));
     const auto point = views.empty() ? std::nullopt : located(views);
     if (!point) return std::nullopt;
     End end{.p_world = *point};
@@ -172,6 +173,48 @@ double sigma_of_length_m(const End& a, const End& b, const KnownPath& path) {
     return std::sqrt(along.dot((a.scatter_m2 + b.scatter_m2) * along) +
                      drift_variance_m2(a, b, path.covariances) +
                      path.scale_sigma * path.scale_sigma * way.squaredNorm());
+}
+
+std::vector<dive::Mark> marks_within(const std::vector<dive::Mark>& marks,
+                                     const TrackingSegment& segment) {
+    std::vector<dive::Mark> within;
+    for (const dive::Mark& mark : marks)
+        if (segment.contains(mark.timestamp_ns)) within.push_back(mark);
+    return within;
+}
+
+struct MarkedEnds {
+    std::vector<dive::Mark> a;
+    std::vector<dive::Mark> b;
+
+    std::size_t num_keyframes() const { return std::min(a.size(), b.size()); }
+};
+
+// Returns the marks of the segment that shows both ends most often.
+MarkedEnds within_one_segment(MarkedEnds marks, const std::vector<TrackingSegment>& segments) {
+    if (segments.size() < 2) return marks;
+    MarkedEnds best;
+    for (const TrackingSegment& segment : segments) {
+        MarkedEnds within{marks_within(marks.a, segment), marks_within(marks.b, segment)};
+        if (within.num_keyframes() > best.num_keyframes()) best = std::move(within);
+    }
+    return best;
+}
+
+// Returns the marks of the frames that show both ends, if these are enough: the errors of their
+// poses move both alike and cancel in the length.
+MarkedEnds in_common_frames(MarkedEnds marks) {
+    const auto in = [](const std::vector<dive::Mark>& wanted, const std::vector<dive::Mark>& all) {
+        std::vector<dive::Mark> common;
+        for (const dive::Mark& mark : wanted)
+            if (std::any_of(all.begin(), all.end(), [&](const dive::Mark& other) {
+                    return other.timestamp_ns == mark.timestamp_ns;
+                }))
+                common.push_back(mark);
+        return common;
+    };
+    MarkedEnds common{in(marks.a, marks.b), in(marks.b, marks.a)};
+    return common.num_keyframes() >= kMinKeyframes ? common : marks;
 }
 
 void summarise(KnownDistanceErrors& errors) {
@@ -248,19 +291,19 @@ KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistanc
                                             const KnownPath& path) {
     KnownDistanceErrors errors;
     for (const dive::KnownDistance& known : distances) {
-        std::vector<dive::Mark> marks_a = known.marks_a;
-        std::vector<dive::Mark> marks_b = known.marks_b;
-        if (!known.is_marked()) {
-            marks_a = truth ? mark_point(known.a_world, *truth) : std::vector<dive::Mark>();
-            marks_b = truth ? mark_point(known.b_world, *truth) : std::vector<dive::Mark>();
-        }
+        MarkedEnds marks;
+        if (known.is_marked())
+            marks = {known.marks_a, known.marks_b};
+        else if (truth)
+            marks = {mark_point(known.a_world, *truth), mark_point(known.b_world, *truth)};
+        marks = in_common_frames(within_one_segment(std::move(marks), path.segments));
         MeasuredDistance measured;
         measured.name = known.name;
         measured.known_m = known.distance_m;
-        measured.num_keyframes_a = static_cast<int>(marks_a.size());
-        measured.num_keyframes_b = static_cast<int>(marks_b.size());
-        const auto a = end_of(marks_a, rig, path.trajectory);
-        const auto b = end_of(marks_b, rig, path.trajectory);
+        measured.num_keyframes_a = static_cast<int>(marks.a.size());
+        measured.num_keyframes_b = static_cast<int>(marks.b.size());
+        const auto a = end_of(marks.a, rig, path.trajectory);
+        const auto b = end_of(marks.b, rig, path.trajectory);
         if (a && b) measured.measured_m = (a->p_world - b->p_world).norm();
         if (a && b && !path.covariances.empty()) measured.sigma_m = sigma_of_length_m(*a, *b, path);
         errors.distances.push_back(measured);

@@ -8,6 +8,7 @@
 
 #include "worker/dive/dive.hpp"
 #include "worker/evaluation/surface_index.hpp"
+#include "worker/evaluation/tracking_segments.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/path_uncertainty.hpp"
 #include "worker/types/pose_covariance.hpp"
@@ -42,6 +43,7 @@ struct KnownPath {
     const types::Trajectory& trajectory;            // T_world_imu
     const types::CovarianceTrack& covariances;      // of the trajectory; empty: unknown
     double scale_sigma = types::kCalibrationSigma;  // of the path
+    std::vector<TrackingSegment> segments = {};     // of the trajectory; empty: it is one
 };
 
 // Ground truth by which mark_point() finds the keyframes that show a point.
@@ -75,10 +77,13 @@ std::optional<Eigen::Vector3d> triangulate(const std::vector<dive::Mark>& marks,
                                            int min_keyframes = 4);
 
 // Measures each known distance as in photogrammetry: both ends are marked, triangulated with our
-// poses and subtracted. Ends given as points are marked by means of `truth`; if it is null they
-// count as not measured. The sigma of a length covers the scatter of the marks, the drift of the
-// path between the times at which its two ends were seen (an end rotates with the path about the
-// place from which it was seen), and the path's scale_sigma of the length.
+// poses and subtracted. Both are measured in the segment of the path that has the most marks of
+// them, as nothing is known between two segments, and in frames that show both if four do. Ends
+// given as points are marked by means of
+// `truth`; if it is null they count as not measured. The sigma of a length covers the scatter of
+// the marks, the drift of the path between the times at which its two ends were seen (an end
+// rotates with the path about the place from which it was seen), and the path's scale_sigma of the
+// length.
 KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistance>& distances,
                                             const MarkingInput* truth,
                                             const types::Rig& rig,

@@ -23,6 +23,7 @@ constexpr std::int64_t kPressureBin_ns = 500'000'000;
 constexpr std::size_t kMinBins = 20;
 constexpr double kMaxCorrelation = 0.95;
 constexpr double kContradicts_sigmas = 3.0;
+constexpr double kTapeSigma_m = 0.002;
 
 // A window's equation: accelerated = s seen + unknowns, see the header.
 struct Equation {
@@ -257,6 +258,36 @@ std::optional<ScaleCheck> scale_by_distances(const KnownDistanceErrors& distance
         by_poses_m2 / known_squares);
     if (sigma <= 0.0) return std::nullopt;
     return ScaleCheck{1.0 / measured_over_known, sigma};
+}
+
+ScaleCheck weighted_mean(const std::vector<ScaleCheck>& checks) {
+    const auto information = [](const ScaleCheck& check) {
+        return 1.0 / (check.sigma * check.sigma);
+    };
+    double weight = 0.0;
+    double weighted = 0.0;
+    for (const ScaleCheck& check : checks) {
+        weight += information(check);
+        weighted += information(check) * check.scale;
+    }
+    const double mean = weighted / weight;
+    double chi2 = 0.0;
+    for (const ScaleCheck& check : checks)
+        chi2 += information(check) * std::pow(check.scale - mean, 2);
+    const double ratio =
+        checks.size() > 1 ? std::sqrt(chi2 / static_cast<double>(checks.size() - 1)) : 1.0;
+    return {mean, std::max(1.0, ratio) / std::sqrt(weight)};
+}
+
+std::optional<ScaleCheck> scale_by_marked_distances(const KnownDistanceErrors& distances) {
+    std::vector<ScaleCheck> checks;
+    for (const MeasuredDistance& distance : distances.distances) {
+        if (!distance.measured_m || !distance.sigma_m || *distance.measured_m <= 0.0) continue;
+        const double sigma_m = std::hypot(*distance.sigma_m, kTapeSigma_m);
+        checks.push_back({distance.known_m / *distance.measured_m, sigma_m / *distance.measured_m});
+    }
+    if (checks.empty()) return std::nullopt;
+    return weighted_mean(checks);
 }
 
 bool is_contradicted(const ScaleCheck& check) {

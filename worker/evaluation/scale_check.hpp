@@ -46,6 +46,15 @@ struct PathError {
     double extent_m = 0.0;
 };
 
+// Returns the mean of checks that are independent of each other, each weighted by its sigma, whose
+// own sigma grows as they disagree (Birge 1932). `checks` must not be empty.
+ScaleCheck weighted_mean(const std::vector<ScaleCheck>& checks);
+
+// Compares lengths that were measured in the water with those between the places marked in the
+// images. Each length counts by its sigma_m and by what a tape is read to, 2 mm. Returns nullopt if
+// none of them was measured with a sigma.
+std::optional<ScaleCheck> scale_by_marked_distances(const KnownDistanceErrors& distances);
+
 // Compares known lengths t with measured ones m. Sigma is the spread of the residuals and, in
 // quadrature, the effect of the poses on all lengths alike, which the residuals do not show.
 // Returns nullopt for fewer than three lengths.

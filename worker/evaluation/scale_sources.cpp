@@ -25,6 +25,12 @@ PathError path_error(const types::Trajectory& trajectory, const types::PathUncer
             box.isEmpty() ? 0.0 : box.diagonal().norm()};
 }
 
+std::optional<ScaleCheck> by_known_distances(const LengthData& lengths, const PathError& path) {
+    const auto marked = scale_by_marked_distances(lengths.marked_distances);
+    if (marked || !lengths.known_distances) return marked;
+    return scale_by_distances(*lengths.known_distances, path);
+}
+
 // Collects the checks.
 class Collector {
 public:
@@ -81,11 +87,10 @@ ScaleSources scale_sources(const LengthData& lengths,
                                      : "the pressure sensor covers too little of the dive");
     }
     collector.add("known_distances",
-                  lengths.known_distances
-                      ? scale_by_distances(*lengths.known_distances, path_error(trajectory, path))
-                      : std::nullopt,
+                  by_known_distances(lengths, path_error(trajectory, path)),
                   0.0,
-                  "fewer than three known distances could be measured");
+                  "no known distance is marked in the images, and fewer than three others could be "
+                  "measured");
     return collector.take();
 }
 

@@ -31,6 +31,12 @@ double distance_m(const types::StampedPose& a, const types::StampedPose& b) {
 
 }  // namespace
 
+bool TrackingSegment::contains(std::int64_t timestamp_ns) const {
+    return std::any_of(intervals.begin(), intervals.end(), [&](const Interval& interval) {
+        return interval.first_ns <= timestamp_ns && timestamp_ns <= interval.last_ns;
+    });
+}
+
 std::vector<std::size_t> segment_numbers(const types::Trajectory& trajectory,
                                          const std::vector<types::Keyframe>& keyframes,
                                          const types::Breaks& breaks_ns) {

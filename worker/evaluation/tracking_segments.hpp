@@ -19,6 +19,8 @@ struct TrackingSegment {
     std::int64_t num_keyframes = 0;
     double path_length_m = 0.0;
     std::vector<Interval> intervals;  // of the frames; more than one if a loop rejoined them
+
+    bool contains(std::int64_t timestamp_ns) const;
 };
 
 // Returns the segment number of every frame. A frame belongs to the segment of the last keyframe

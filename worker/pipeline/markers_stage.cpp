@@ -4,7 +4,6 @@
 
 #include "worker/base/text.hpp"
 #include "worker/camera/rerectifier.hpp"
-#include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/markers/measure_bars.hpp"
 #include "worker/markers/survey_markers.hpp"
 #include "worker/pipeline/scale_of_result.hpp"
@@ -13,16 +12,12 @@
 namespace divemesh::pipeline {
 namespace {
 
-// Returns the world in which markers are located, its covariances without the error of the scale
-// that all poses share: known lengths measure it, and it is no drift between the ends of one.
+// Returns the world in which markers are located.
 markers::MarkerWorld world_of(const types::OptimisedTrack& optimised) {
-    const auto ways =
-        evaluation::ways_from_start(optimised.trajectory, optimised.keyframes, optimised.breaks_ns);
     return {optimised.rig,
             optimised.keyframes,
             optimised.trajectory,
-            evaluation::with_scale_sigma(
-                optimised.covariances, ways, optimised.statistics.path.shared_scale_sigma, 0.0)};
+            covariances_without_scale(optimised)};
 }
 
 std::vector<markers::TagView> find_tags(Reconstruction& made,

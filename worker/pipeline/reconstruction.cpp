@@ -2,6 +2,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/base/free_memory.hpp"
+#include "worker/calibration/calibration_refinement.hpp"
 #include "worker/camera/rectifier.hpp"
 
 namespace divemesh::pipeline {
@@ -48,6 +49,11 @@ void Reconstruction::set_rig(const types::Rig& rig) {
     recording.set_rig(rig);
     keyframe_store =
         keyframes::KeyframeStore(scratch("keyframes"), rectified_left_images(recording));
+}
+
+types::Rig Reconstruction::used_rig() const {
+    const types::Rig refined = calibration::refined_rig(recording.rig(), optimised.calibration);
+    return scale ? scale->applied(refined) : refined;
 }
 
 }  // namespace divemesh::pipeline

@@ -37,6 +37,9 @@ struct Reconstruction {
     // Has all later stages use this rig instead of the stated one.
     void set_rig(const types::Rig& rig);
 
+    // Returns the rig that the poses belong to: refined, and scaled once the scale was corrected.
+    types::Rig used_rig() const;
+
     const ReconstructionOptions& options() const { return request.options; }
     // Returns true once an error is among the findings on the track: no surface can follow.
     bool has_failed() const { return has_error(optimised.findings); }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "worker/calibration/calibration_refinement.hpp"
 #include "worker/evaluation/surface_samples.hpp"
 #include "worker/pipeline/align_cameras.hpp"
 #include "worker/pipeline/measured_poses.hpp"
@@ -19,13 +18,6 @@ double path_length_m(const Segments& segments) {
     double length_m = 0.0;
     for (const evaluation::TrackingSegment& segment : segments) length_m += segment.path_length_m;
     return length_m;
-}
-
-// Returns the rig that the poses belong to.
-types::Rig used_rig(const Reconstruction& made) {
-    const types::Rig refined =
-        calibration::refined_rig(made.recording.rig(), made.optimised.calibration);
-    return made.scale ? made.scale->applied(refined) : refined;
 }
 
 evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments& segments) {
@@ -78,7 +70,7 @@ std::vector<Finding> findings(const Reconstruction& made,
 
 evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
     return evaluation::evaluate_reconstruction(
-        {.rig = used_rig(made),
+        {.rig = made.used_rig(),
          .trajectory = made.optimised.trajectory,
          .causal = measured_causal(made.track),
          .covariances = made.optimised.covariances,
@@ -106,7 +98,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .duration_s = made.dive.duration_s(),
          .stated_rig = made.dive.rig(),
          .rig = made.recording.rig(),
-         .used_rig = used_rig(made),
+         .used_rig = made.used_rig(),
          .alignment = made.alignment,
          .gravity = evaluation::check_gravity(made.dive.imu(), made.optimised.trajectory),
          .refined = made.optimised.calibration,

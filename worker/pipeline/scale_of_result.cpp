@@ -24,6 +24,26 @@ std::optional<evaluation::ScaleCheck> by_markers(const Reconstruction& made) {
                                   std::hypot(scale.sigma, made.markers->systematic_scale_sigma)};
 }
 
+// Returns the known distances whose ends are marked in the images, measured with the poses as they
+// are.
+evaluation::KnownDistanceErrors measure_marked_distances(const Reconstruction& made) {
+    std::vector<dive::KnownDistance> marked;
+    for (const dive::KnownDistance& known : made.dive.known_distances())
+        if (known.is_marked()) marked.push_back(known);
+    if (marked.empty()) return {};
+    const types::OptimisedTrack& optimised = made.optimised;
+    const types::CovarianceTrack covariances = covariances_without_scale(optimised);
+    return evaluation::measure_known_distances(
+        marked,
+        nullptr,
+        made.used_rig(),
+        {.trajectory = optimised.trajectory,
+         .covariances = covariances,
+         .scale_sigma = 0.0,
+         .segments = evaluation::segments_of(
+             optimised.trajectory, optimised.keyframes, optimised.breaks_ns)});
+}
+
 void apply(const markers::WorldScale& scale, types::OptimisedTrack& optimised) {
     optimised.keyframes = scale.applied(optimised.keyframes, optimised.trajectory);
     optimised.mapped = scale.applied(optimised.mapped, optimised.trajectory);
@@ -32,18 +52,26 @@ void apply(const markers::WorldScale& scale, types::OptimisedTrack& optimised) {
     optimised.covariances = scale.applied(optimised.covariances);
 }
 
+types::CovarianceTrack with_scale_sigma(const types::OptimisedTrack& optimised, double sigma) {
+    return evaluation::with_scale_sigma(
+        optimised.covariances,
+        evaluation::ways_from_start(optimised.trajectory, optimised.keyframes, optimised.breaks_ns),
+        optimised.statistics.path.shared_scale_sigma,
+        sigma);
+}
+
 // Replaces the error of the scale by `sigma`, after the scaling.
 void replace_scale_error(double factor, double sigma, types::OptimisedTrack& optimised) {
     types::PathUncertainty& path = optimised.statistics.path;
-    optimised.covariances = evaluation::with_scale_sigma(
-        optimised.covariances,
-        evaluation::ways_from_start(optimised.trajectory, optimised.keyframes, optimised.breaks_ns),
-        path.shared_scale_sigma,
-        sigma);
+    optimised.covariances = with_scale_sigma(optimised, sigma);
     path = evaluation::scaled(path, factor, sigma);
 }
 
 }  // namespace
+
+types::CovarianceTrack covariances_without_scale(const types::OptimisedTrack& optimised) {
+    return with_scale_sigma(optimised, 0.0);
+}
 
 evaluation::ScaleSources scale_sources(const Reconstruction& made) {
     const types::OptimisedTrack& optimised = made.optimised;
@@ -54,6 +82,7 @@ evaluation::ScaleSources scale_sources(const Reconstruction& made) {
          .pressure =
              uses_pressure ? made.recording.pressure() : std::vector<types::PressureSample>(),
          .markers = by_markers(made),
+         .marked_distances = measure_marked_distances(made),
          .known_distances = known ? &*known : nullptr,
          .num_segments =
              evaluation::segments_of(optimised.trajectory, optimised.keyframes, optimised.breaks_ns)

@@ -7,6 +7,7 @@
 #include "worker/evaluation/known_distances.hpp"
 #include "worker/evaluation/relative_pose_error.hpp"
 #include "worker/evaluation/surface_index.hpp"
+#include "worker/evaluation/tracking_segments.hpp"
 #include "worker/markers/world_scale.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
 #include "worker/report/error_map.hpp"
@@ -16,20 +17,29 @@ namespace {
 
 using nlohmann::json;
 
+// Returns the segments that metrics.json states; empty for files of older versions.
+std::vector<evaluation::TrackingSegment> segments_of(const json& metrics) {
+    std::vector<evaluation::TrackingSegment> segments;
+    for (const json& stated : metrics.value("pieces", json::array())) {
+        evaluation::TrackingSegment& segment = segments.emplace_back();
+        segment.num_frames = stated.value("num_frames", std::int64_t{0});
+        for (const json& interval : stated.value("intervals", json::array()))
+            segment.intervals.push_back({interval.at("first_ns").get<std::int64_t>(),
+                                         interval.at("last_ns").get<std::int64_t>()});
+    }
+    return segments;
+}
+
 // Returns the frames of the segment with the most frames, by metrics.json.
 types::Trajectory largest_segment(types::Trajectory trajectory, const json& metrics) {
-    const json segments = metrics.value("pieces", json::array());
-    const auto largest =
-        std::max_element(segments.begin(), segments.end(), [](const json& a, const json& b) {
-            return a.value("num_frames", 0) < b.value("num_frames", 0);
-        });
+    const auto segments = segments_of(metrics);
     if (segments.size() < 2) return trajectory;
-    const json intervals = largest->value("intervals", json::array());
-    std::erase_if(trajectory, [&](const types::StampedPose& pose) {
-        return std::none_of(intervals.begin(), intervals.end(), [&](const json& interval) {
-            return interval.at("first_ns").get<std::int64_t>() <= pose.timestamp_ns &&
-                   pose.timestamp_ns <= interval.at("last_ns").get<std::int64_t>();
+    const auto largest =
+        std::max_element(segments.begin(), segments.end(), [](const auto& a, const auto& b) {
+            return a.num_frames < b.num_frames;
         });
+    std::erase_if(trajectory, [&](const types::StampedPose& pose) {
+        return !largest->contains(pose.timestamp_ns);
     });
     return trajectory;
 }
@@ -194,7 +204,10 @@ void Measuring::measure_distances() {
     }
     const types::Trajectory trajectory = inputs_.reconstruction.trajectory();
     const types::CovarianceTrack covariances = inputs_.reconstruction.covariances();
-    const evaluation::KnownPath path{trajectory, covariances, inputs_.reconstruction.scale_sigma()};
+    const evaluation::KnownPath path{trajectory,
+                                     covariances,
+                                     inputs_.reconstruction.scale_sigma(),
+                                     segments_of(inputs_.reconstruction.metrics())};
     evaluation::KnownDistanceErrors errors;
     if (has_truth) {
         std::vector<std::int64_t> timestamps_ns;

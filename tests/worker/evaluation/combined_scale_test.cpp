@@ -44,10 +44,18 @@ TEST(ScaleCorrectionTest, IsRefutedOnlyWhereBothTogetherCannotBeRight) {
 
 TEST(ScaleCorrectionTest, IsNotMadeWithoutReasonOrWhereASizeMustBeWrong) {
     EXPECT_FALSE(scale_correction({}, 0.005));
-    EXPECT_FALSE(scale_correction({{"markers", {1.002, 0.001}}}, 0.005));
+    EXPECT_FALSE(scale_correction({{"accelerometer", {1.008, 0.004}}}, 0.005));
     EXPECT_FALSE(scale_correction({{"markers", {1.25, 0.001}}}, 0.005));
     EXPECT_FALSE(scale_correction({{"markers", {0.8, 0.001}}}, 0.005));
     EXPECT_FALSE(scale_correction({{"markers", {1.05, 0.001}}}, 0.0));
+}
+
+TEST(ScaleCorrectionTest, IsMadeWhereTheSensorsKnowItClearlyBetter) {
+    const auto better = scale_correction({{"known_distances", {1.002, 0.001}}}, 0.005);
+    ASSERT_TRUE(better);
+    EXPECT_FALSE(better->differs);
+    EXPECT_NEAR(better->factor, 1.0 + 0.002 * 25.0 / 26.0, 1e-12);
+    EXPECT_LT(better->sigma, 0.001);
 }
 
 // Draws true scales by the cameras' sigma and measures them with noise.

@@ -51,6 +51,8 @@ protected:
         return measure_known_distances(known, &truth, rig_, {trajectory, {}});
     }
 
+    dive::KnownDistance marked_bar() const;
+
     types::Rig rig_;
     types::Trajectory truth_;
     std::vector<std::int64_t> timestamps_ns_;
@@ -135,6 +137,48 @@ TEST_F(KnownDistancesTest, EndsMarkedByHandNeedNoTruth) {
 
     marked.marks_a.resize(3);
     EXPECT_FALSE(measured_m().has_value());  // three frames are too few
+}
+
+dive::KnownDistance KnownDistancesTest::marked_bar() const {
+    const SurfaceIndex reference(floor_);
+    const MarkingInput truth{rig_, truth_, timestamps_ns_, reference};
+    dive::KnownDistance marked = bar_;
+    marked.marks_a = mark_point(bar_.a_world, truth);
+    marked.marks_b = mark_point(bar_.b_world, truth);
+    return marked;
+}
+
+TEST_F(KnownDistancesTest, AreMeasuredWithinOneSegment) {
+    types::Trajectory lost = truth_;
+    TrackingSegment first{.num_frames = 4, .intervals = {{0, 300'000'000}}};
+    TrackingSegment second{.num_frames = 6, .intervals = {{400'000'000, 900'000'000}}};
+    for (std::size_t i = 4; i < lost.size(); ++i)
+        lost[i].T_world_imu.pretranslate(Eigen::Vector3d(3.0, 0.5, 0.0));
+    const auto measured = [&](const std::vector<TrackingSegment>& segments) {
+        return measure_known_distances({marked_bar()}, nullptr, rig_, {lost, {}, 0.0, segments})
+            .distances[0];
+    };
+    EXPECT_GT(std::abs(measured({}).measured_m.value() - bar_.distance_m), 0.01);
+    EXPECT_NEAR(measured({first, second}).measured_m.value(), bar_.distance_m, 1e-7);
+    EXPECT_EQ(measured({first, second}).num_keyframes_a, 6);
+    // Three frames are too few in either part.
+    first.intervals = {{0, 200'000'000}};
+    second.intervals = {{700'000'000, 900'000'000}};
+    EXPECT_FALSE(measured({first, second}).measured_m.has_value());
+}
+
+TEST_F(KnownDistancesTest, AreMeasuredInFramesThatShowBothEnds) {
+    dive::KnownDistance marked = marked_bar();
+    marked.marks_a.resize(7);
+    marked.marks_b.erase(marked.marks_b.begin(), marked.marks_b.begin() + 3);
+    types::Trajectory drifted = truth_;
+    for (const std::size_t i : {0, 1, 2, 7, 8, 9})
+        drifted[i].T_world_imu.pretranslate(Eigen::Vector3d(0.01, 0.0, 0.02));
+    const MeasuredDistance measured =
+        measure_known_distances({marked}, nullptr, rig_, {drifted, {}}).distances[0];
+    EXPECT_NEAR(measured.measured_m.value(), bar_.distance_m, 1e-7);
+    EXPECT_EQ(measured.num_keyframes_a, 4);
+    EXPECT_EQ(measured.num_keyframes_b, 4);
 }
 
 TEST_F(KnownDistancesTest, MarksOfOtherTimesAreNotCounted) {

@@ -114,6 +114,26 @@ TEST(ScaleCheckTest, ThePressureFindsAScaleErrorOfTheCameras) {
     EXPECT_FALSE(scale_by_pressure({}, path_seen(1.0), 0.0).has_value());
 }
 
+TEST(ScaleCheckTest, MarkedDistancesCountByTheirSigmaAndTheTape) {
+    KnownDistanceErrors errors;
+    errors.distances.push_back({"not measured", 1.0, std::nullopt, std::nullopt, 2, 2});
+    EXPECT_FALSE(scale_by_marked_distances(errors));
+    errors.distances.push_back({"bar", 1.01, 1.0, 0.0015, 4, 4});
+    const auto one = scale_by_marked_distances(errors);
+    ASSERT_TRUE(one);
+    EXPECT_NEAR(one->scale, 1.01, 1e-12);
+    EXPECT_NEAR(one->sigma, 0.0025, 1e-12);  // 1.5 mm and 2 mm of 1 m
+    errors.distances.push_back({"line", 10.1, 10.0, 0.015, 4, 4});
+    const auto two = scale_by_marked_distances(errors);
+    ASSERT_TRUE(two);
+    EXPECT_NEAR(two->scale, 1.01, 1e-12);
+    const double line = std::hypot(0.0015, 0.0002);
+    EXPECT_NEAR(two->sigma, 0.0025 * line / std::hypot(0.0025, line), 1e-12);
+    // One of them was typed wrong.
+    errors.distances.push_back({"typed wrong", 1.51, 1.0, 0.0015, 4, 4});
+    EXPECT_GT(scale_by_marked_distances(errors)->sigma, 0.1);
+}
+
 TEST(ScaleCheckTest, KnownDistancesSayTheScaleAndHowWellTheyAgree) {
     KnownDistanceErrors errors;
     for (const auto& [known, measured] : {std::pair(1.0, 0.981), {1.0, 0.979}, {2.0, 1.960}})

@@ -4,12 +4,17 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <random>
 
 #include "tests/temporary_folder.hpp"
 #include "worker/compare/marker_positions.hpp"
+#include "worker/dive/dive.hpp"
+#include "worker/evaluation/known_distances.hpp"
+#include "worker/evaluation/surface_index.hpp"
 #include "worker/io/reconstruction_folder.hpp"
 #include "worker/markers/world_scale.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
@@ -121,6 +126,63 @@ TEST_F(MarkedDiveTest, CorrectedLengthsAreRightInEverythingThatIsGivenOut) {
             nearest_m = std::min(nearest_m, (vertex - marker.p_world.cast<float>()).norm());
         EXPECT_LT(nearest_m, 0.01) << marker.id;
     }
+}
+
+// Marks the known distances of a dive where its true cameras saw them, to a third of a pixel.
+void mark_known_distances(const fs::path& folder, const fs::path& scratch) {
+    const auto dive = dive::Dive::open(folder, scratch);
+    const types::Mesh surface = dive->read_reference_mesh().value();
+    const evaluation::SurfaceIndex reference(surface);
+    std::vector<std::int64_t> timestamps_ns;
+    for (int i = 0; i < dive->num_frames(); i += 2)
+        timestamps_ns.push_back(dive->frame(i).value().timestamp_ns);
+    const types::Trajectory truth = dive->ground_truth();
+    const types::Rig rig = simulator::draw_rig(kWidth_px, kHeight_px, 1);
+    std::mt19937 random(1);
+    std::normal_distribution<double> noise_px(0.0, 0.3);
+    const auto marked = [&](const Eigen::Vector3d& p_world) {
+        nlohmann::json marks = nlohmann::json::array();
+        for (const dive::Mark& mark :
+             evaluation::mark_point(p_world, {rig, truth, timestamps_ns, reference})) {
+            if (!mark.pixel_right) continue;
+            const auto read = [&](const Eigen::Vector2d& pixel) {
+                return nlohmann::json{pixel.x() + noise_px(random), pixel.y() + noise_px(random)};
+            };
+            marks.push_back({{"timestamp_ns", mark.timestamp_ns},
+                             {"left", read(mark.pixel_left)},
+                             {"right", read(*mark.pixel_right)}});
+        }
+        return marks;
+    };
+    nlohmann::json distances = nlohmann::json::array();
+    for (const dive::KnownDistance& known : dive->known_distances()) {
+        const nlohmann::json a = marked(known.a_world);
+        const nlohmann::json b = marked(known.b_world);
+        if (a.size() >= 4 && b.size() >= 4)
+            distances.push_back({{"name", known.name},
+                                 {"distance_m", known.distance_m},
+                                 {"marks_a", a},
+                                 {"marks_b", b}});
+    }
+    ASSERT_FALSE(distances.empty());
+    std::ofstream(folder / "measurements.json") << nlohmann::json{{"distances", distances}};
+}
+
+TEST_F(MarkedDiveTest, LengthsMarkedByHandCorrectAWrongBaseline) {
+    const fs::path dive = *folder_ / "marked_by_hand";
+    fs::copy(*folder_ / "dive", dive, fs::copy_options::recursive);
+    fs::remove(dive / "markers.json");
+    ASSERT_NO_FATAL_FAILURE(mark_known_distances(dive, *folder_ / "marking"));
+    const auto metrics =
+        pipeline::reconstruct_dive({.dive = dive,
+                                    .out = *folder_ / "by_hand",
+                                    .scratch = *folder_ / "by_hand_scratch",
+                                    .resumable = false,
+                                    .options = make_options("standard", {{"surface", false}})},
+                                   base::ignore_progress);
+    const auto& correction = metrics["calibration"]["scale_correction"];
+    ASSERT_TRUE(correction["sources"].contains("known_distances")) << metrics["expected_accuracy"];
+    EXPECT_NEAR(metrics["trajectory"]["final"]["sim3_scale"].get<double>(), 1.0, 0.004);
 }
 
 double length_m(const types::Trajectory& path, std::size_t first, std::size_t last) {
