@@ -168,7 +168,7 @@ Job ensure_job(client::RestClient& rest,
         return rest.list("/api/v1/jobs", {{"dive_id", dive.id}, {"kind", "reconstruct"}});
     });
     for (const auto& item : jobs) {
-        const Job job = item.get<Job>();
+        Job job = item.get<Job>();
         const bool usable = !is_finished(job.state) || job.state == JobState::Succeeded;
         if (usable && job.preset == preset.preset && job.options == overrides) return job;
     }
