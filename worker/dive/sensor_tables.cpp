@@ -7,6 +7,7 @@
 
 #include "worker/base/text.hpp"
 #include "worker/dive/csv.hpp"
+#include "worker/dive/imu_clipped.hpp"
 #include "worker/dive/imu_frozen.hpp"
 #include "worker/dive/imu_zeros.hpp"
 #include "worker/dive/stamp_check.hpp"
@@ -199,6 +200,7 @@ std::vector<types::ImuSample> parse_imu(std::string_view text,
         });
     fill_zero_readings(samples, file, findings);
     leave_out_frozen_readings(samples, file, findings);
+    leave_out_clipped_readings(samples, file, findings);
     check_imu_units(samples, file, findings);
     return samples;
 }
