@@ -8,9 +8,10 @@
 namespace divemesh::dive {
 namespace {
 
+// Checks one table, and empties it if it is of another time than the images.
 template <typename Samples>
 void check_sensor(const DiveContents& contents,
-                  const Samples& samples,
+                  Samples& samples,
                   const std::string& sensor,
                   const std::string& file,
                   FindingLog& findings) {
@@ -22,11 +23,16 @@ void check_sensor(const DiveContents& contents,
     const std::string ranges = "it runs from " + std::to_string(begin) + " to " +
                                std::to_string(end) + ", the images from " + std::to_string(first) +
                                " to " + std::to_string(last);
-    if (end < first || begin > last)
-        return findings.error(sensor + "_no_overlap",
-                              file,
-                              file + " does not overlap the images in time: " + ranges,
-                              "Record both with the same clock, or remove the file from the dive.");
+    if (end < first || begin > last) {
+        findings.warning(
+            sensor + "_no_overlap",
+            file,
+            file + " does not overlap the images in time, so it is not used: " + ranges,
+            "Record both with the same clock. If both began at the same moment, add " +
+                std::to_string(first - begin) + " ns to its timestamps.");
+        samples.clear();
+        return;
+    }
     const double covered_s =
         static_cast<double>(std::min(end, last) - std::max(begin, first)) * 1e-9;
     const double dive_s = static_cast<double>(last - first) * 1e-9;
@@ -40,8 +46,8 @@ void check_sensor(const DiveContents& contents,
 
 }  // namespace
 
-void check_coverage(const DiveContents& contents, FindingLog& findings) {
-    const auto check = [&](const auto& samples, const std::string& sensor, const char* folder) {
+void check_coverage(DiveContents& contents, FindingLog& findings) {
+    const auto check = [&](auto& samples, const std::string& sensor, const char* folder) {
         check_sensor(
             contents, samples, sensor, std::string("mav0/") + folder + "/data.csv", findings);
     };

@@ -5,7 +5,8 @@
 
 namespace divemesh::dive {
 
-// Reports sensors that do not cover the time of the frames, and frames that pause.
-void check_coverage(const DiveContents& contents, FindingLog& findings);
+// Reports sensors and ground truth that do not cover the time of the frames, and frames that pause.
+// Leaves out those of another time.
+void check_coverage(DiveContents& contents, FindingLog& findings);
 
 }  // namespace divemesh::dive

@@ -16,6 +16,12 @@ std::string_view trimmed(std::string_view text) {
     return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
+// Returns the text of a field, without the quotes that spreadsheets write around it.
+std::string_view unquoted(std::string_view field) {
+    if (field.size() < 2 || field.front() != '"' || field.back() != '"') return field;
+    return trimmed(field.substr(1, field.size() - 2));
+}
+
 template <typename Number>
 std::optional<Number> parse_number(std::string_view field) {
     if (field.starts_with('+')) field.remove_prefix(1);
@@ -43,7 +49,7 @@ void for_each_csv_row(
         for (bool more = true; more && num_fields < kMaxFields;) {
             const std::size_t comma = rest.find(',');
             more = comma != std::string_view::npos;
-            fields[num_fields++] = trimmed(rest.substr(0, comma));
+            fields[num_fields++] = unquoted(trimmed(rest.substr(0, comma)));
             if (more) rest.remove_prefix(comma + 1);
         }
         const bool is_heading = heading_may_come && !parse_double(fields[0]);

@@ -8,8 +8,9 @@
 
 namespace divemesh::dive {
 
-// Calls `row` with the line number (from 1) and the trimmed fields of every line, except comments,
-// empty lines and a heading at the start. Reads at most 32 fields a line; further ones are ignored.
+// Calls `row` with the line number (from 1) and the fields of every line, trimmed and without
+// quotes around them, except comments, empty lines and a heading at the start. A quoted field holds
+// no comma. Reads at most 32 fields a line; further ones are ignored.
 void for_each_csv_row(
     std::string_view text,
     const std::function<void(std::int64_t line, std::span<const std::string_view> fields)>& row);

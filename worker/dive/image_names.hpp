@@ -9,8 +9,8 @@
 
 namespace divemesh::dive {
 
-// Completes the names of images that are listed without their extension, if a file with one of the
-// usual ones is there. Reports how many.
+// Replaces names of images that are not there by those of files that differ only in case or in the
+// extension, which may be missing in the list. Reports how many.
 void complete_image_names(std::vector<CameraRow>& rows,
                           const DiveFiles& files,
                           const std::string& camera,

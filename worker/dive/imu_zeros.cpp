@@ -74,14 +74,15 @@ void fill_zero_readings(Samples& samples, const std::string& file, FindingLog& f
     const auto num_left_out = static_cast<std::int64_t>(num_rows - kept.size());
     samples = std::move(kept);
     if (num_filled + num_left_out == 0) return;
-    findings.warning("imu_zeros",
-                     file,
-                     "rotation rate or acceleration is exactly 0 in rows where it cannot be: " +
-                         std::to_string(num_left_out) + " of " + std::to_string(num_rows) +
-                         " rows are left out, and " + std::to_string(num_filled) +
-                         " accelerations are interpolated",
-                     "Write only rows with both readings, the accelerometer interpolated at the "
-                     "times of the gyroscope.");
+    findings.warning(
+        "imu_zeros",
+        file,
+        "rotation rate or acceleration is empty or exactly 0 in rows where it cannot be: " +
+            std::to_string(num_left_out) + " of " + std::to_string(num_rows) +
+            " rows are left out, and " + std::to_string(num_filled) +
+            " accelerations are interpolated",
+        "Write only rows with both readings, the accelerometer interpolated at the "
+        "times of the gyroscope.");
 }
 
 }  // namespace divemesh::dive

@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/dive/mounting_check.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/dive/stereo_rays.hpp"
 #include "worker/dive/track_corners.hpp"
@@ -21,12 +22,15 @@ constexpr double kEnough_rad = 3.0 * std::numbers::pi / 180.0;
 constexpr int kMinPoints = 25;
 constexpr std::int64_t kGapPeriods = 5;  // a longer interval of the gyro is a gap
 
-// Two frames a short time apart and the rotation between them from the gyro.
+// Two frames a short time apart and the rotation between them from the gyro; twice the same frame
+// where no rotation is known.
 struct Moment {
     int first = 0;
     int second = 0;
     double duration_s = 0.0;
     Eigen::Vector3d rotation_imu = Eigen::Vector3d::Zero();  // rad
+
+    bool is_motion() const { return second > first; }
 };
 
 // Returns the rotation vector of imu at `end_ns` in imu at `begin_ns`; nullopt over a gap of the
@@ -58,6 +62,7 @@ Moment moment_at(const DiveContents& contents, int first, std::int64_t max_inter
     };
     const int num_pairs = static_cast<int>(contents.frames.pairs.size());
     Moment moment{first, first, 0.0, Eigen::Vector3d::Zero()};
+    if (contents.imu.empty()) return moment;
     for (int second = first + 1; second < num_pairs; ++second) {
         const double seconds = static_cast<double>(time(second) - time(first)) * 1e-9;
         if (seconds > kMaxInterval_s) break;
@@ -70,7 +75,7 @@ Moment moment_at(const DiveContents& contents, int first, std::int64_t max_inter
     return moment;
 }
 
-// Returns the fastest rotation in each twelfth of the dive.
+// Returns the fastest rotation in each twelfth of the dive, or its first frame.
 std::vector<Moment> choose_moments(const DiveContents& contents) {
     std::vector<Moment> moments;
     const std::int64_t max_interval_ns =
@@ -80,14 +85,12 @@ std::vector<Moment> choose_moments(const DiveContents& contents) {
         const int begin = part * num_pairs / kNumMoments;
         const int end = (part + 1) * num_pairs / kNumMoments;
         const int step = std::max(1, (end - begin) / 20);
-        Moment best;
+        Moment best{.first = begin, .second = begin};
         for (int i = begin; i < end; i += step) {
             const Moment moment = moment_at(contents, i, max_interval_ns);
-            if (moment.second > moment.first &&
-                moment.rotation_imu.norm() > best.rotation_imu.norm())
-                best = moment;
+            if (moment.rotation_imu.norm() > best.rotation_imu.norm()) best = moment;
         }
-        if (best.second > best.first) moments.push_back(best);
+        if (begin < end) moments.push_back(best);
     }
     return moments;
 }
@@ -128,6 +131,7 @@ public:
             progress({});
             look_at(moment);
         }
+        mounting_.report(findings_);
         report_stereo();
         report_hand_eye(rotations_, contents_.rig.T_imu_cam0.linear(), findings_);
     }
@@ -135,8 +139,7 @@ public:
 private:
     void look_at(const Moment& moment) {
         const LoadedPair first = load_(moment.first);
-        const LoadedPair second = load_(moment.second);
-        if (!first.is_complete() || second.left.image.empty()) return;
+        if (!first.is_complete()) return;
         const cv::Mat& left = first.left.image;
         std::vector<cv::Point2f> corners;
         cv::Mat is_scene;  // empty: all of the image
@@ -145,20 +148,27 @@ private:
         if (std::ssize(corners) < kMinPoints) return;
         std::vector<bool> found(corners.size(), true);
         const auto right = track_corners(left, first.right.image, corners, found);
-        const auto later = track_corners(left, second.left.image, corners, found);
+        mounting_.add(left, first.right.image, corners, right, found);
+        const std::vector<bool> found_in_right = found;
+        std::vector<cv::Point2f> later = corners;
+        if (moment.is_motion()) {
+            const LoadedPair second = load_(moment.second);
+            if (second.left.image.empty()) return;
+            later = track_corners(left, second.left.image, corners, found);
+        }
         std::vector<cv::Point3d> points;
         std::vector<cv::Point2d> rays;
         for (std::size_t i = 0; i < corners.size(); ++i) {
-            if (!found[i]) continue;
+            if (!found_in_right[i]) continue;
             const StereoPoint point = triangulate(rays_, corners[i], right[i]);
             stereo_.push_back(point);
             stereo_swapped_.push_back(triangulate(swapped_rays_, corners[i], right[i]));
-            if (point.epipolar_error_px > 3.0 || point.inverse_depth < 0.02) continue;
+            if (!found[i] || point.epipolar_error_px > 3.0 || point.inverse_depth < 0.02) continue;
             const Eigen::Vector3d ray = rays_.left(later[i]);
             points.emplace_back(point.p_cam0.x(), point.p_cam0.y(), point.p_cam0.z());
             rays.emplace_back(ray.x(), ray.y());
         }
-        add_rotation(moment, points, rays);
+        if (moment.is_motion()) add_rotation(moment, points, rays);
     }
 
     void add_rotation(const Moment& moment,
@@ -215,7 +225,9 @@ private:
                 std::to_string(behind) + " of " + std::to_string(stereo_.size()) +
                     " points would lie behind the cameras, so the left and right images seem to be "
                     "swapped",
-                "Swap the folders: cam0 is the left camera, cam1 the right one.");
+                "Swap the folders: cam0 is the left camera, cam1 the right one. If the recorder "
+                "turned both images by 180 degrees because the rig was upside down, turn them back "
+                "instead.");
     }
 
     const DiveContents& contents_;
@@ -223,6 +235,7 @@ private:
     FindingLog& findings_;
     const StereoRays rays_{contents_.rig};
     const StereoRays swapped_rays_{swapped(contents_.rig)};
+    MountingCheck mounting_;
     std::vector<StereoPoint> stereo_;
     std::vector<StereoPoint> stereo_swapped_;  // with the images of the cameras swapped
     std::vector<RotationPair> rotations_;

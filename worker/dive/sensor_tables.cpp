@@ -7,6 +7,7 @@
 
 #include "worker/base/text.hpp"
 #include "worker/dive/csv.hpp"
+#include "worker/dive/imu_clipped.hpp"
 #include "worker/dive/imu_frozen.hpp"
 #include "worker/dive/imu_zeros.hpp"
 #include "worker/dive/stamp_check.hpp"
@@ -16,8 +17,14 @@ namespace divemesh::dive {
 namespace {
 
 constexpr double kMinPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds give far shorter periods
-constexpr double kAboveSurface_m = -1.0;  // waves and a zero that drifts stay below this
+constexpr double kAboveSurface_m = -1.0;     // waves and a zero that drifts stay below this
+constexpr double kMaxGravityError = 0.6;     // m/s^2, of a median of accelerations
+constexpr double kMaxDiverRate_rad_s = 3.0;  // a median above it is no diver's
 constexpr double kMaxReading = 1e9;  // above every sensor's range in any unit; squares stay finite
+
+// Values of an IMU's row. Where gyroscope and accelerometer are read at separate times, the fields
+// of the other are empty, or zero: fill_zero_readings() handles both.
+constexpr std::size_t kImuValues = 6;
 
 bool is_same(const types::ImuSample& a, const types::ImuSample& b) {
     return a.angular_velocity_imu == b.angular_velocity_imu &&
@@ -36,6 +43,15 @@ bool is_same(const types::StampedPose& a, const types::StampedPose& b) {
     return a.T_world_imu.matrix() == b.T_world_imu.matrix();
 }
 
+// Returns the number in a field; 0 for an empty one if `empty_is_zero`.
+std::optional<double> value_at(std::span<const std::string_view> fields,
+                               std::size_t index,
+                               bool empty_is_zero) {
+    if (index >= fields.size()) return std::nullopt;
+    if (empty_is_zero && fields[index].empty()) return 0.0;
+    return parse_double(fields[index]);
+}
+
 // Reads rows of a timestamp and N numbers, in the order of time. `use` turns them into a sample, or
 // returns nullopt if the row is malformed.
 template <std::size_t N, typename Sample, typename Use>
@@ -50,8 +66,7 @@ std::vector<Sample> read_samples(std::string_view text,
         if (!timestamp) return;
         std::array<double, N> values{};
         for (std::size_t i = 0; i < N; ++i) {
-            const auto value =
-                i + 1 < fields.size() ? parse_double(fields[i + 1]) : std::optional<double>();
+            const auto value = value_at(fields, i + 1, N == kImuValues);
             if (!value) return check.count_malformed(line);
             values[i] = *value;
         }
@@ -101,7 +116,7 @@ void check_acceleration(double median_m_s2, const std::string& file, FindingLog&
             file,
             seen + " instead of about 9.81 m/s^2: gravity is missing or the unit is wrong",
             "Write the specific force in m/s^2, gravity included.");
-    if (std::abs(median_m_s2 - 9.81) > 0.6)
+    if (std::abs(median_m_s2 - 9.81) > kMaxGravityError)
         findings.warning("gravity_check",
                          file,
                          seen + " m/s^2 instead of 9.81",
@@ -112,12 +127,21 @@ void check_imu_units(const std::vector<types::ImuSample>& samples,
                      const std::string& file,
                      FindingLog& findings) {
     if (samples.empty()) return;
-    check_acceleration(
-        median_of(samples, [](const types::ImuSample& s) { return s.acceleration_imu.norm(); }),
-        file,
-        findings);
+    const double acceleration =
+        median_of(samples, [](const types::ImuSample& s) { return s.acceleration_imu.norm(); });
     const double rate =
         median_of(samples, [](const types::ImuSample& s) { return s.angular_velocity_imu.norm(); });
+    if (std::abs(rate - 9.81) < kMaxGravityError && acceleration < kMaxDiverRate_rad_s)
+        return findings.error("imu_units",
+                              file,
+                              "the first three values of a row are those of an accelerometer "
+                              "(median " +
+                                  base::significant(rate) +
+                                  "), the last three those of a gyroscope: their columns are "
+                                  "exchanged",
+                              "Write in each row the timestamp, the rotation rates (rad/s), then "
+                              "the accelerations (m/s^2).");
+    check_acceleration(acceleration, file, findings);
     if (rate > 2.0 * std::numbers::pi)
         findings.error("imu_units",
                        file,
@@ -169,13 +193,14 @@ std::vector<types::ImuSample> parse_imu(std::string_view text,
                                         FindingLog& findings,
                                         TableClock* clock) {
     StampCheck check("imu", file, findings);
-    auto samples = read_samples<6, types::ImuSample>(
+    auto samples = read_samples<kImuValues, types::ImuSample>(
         text, check, clock, [](std::int64_t timestamp_ns, const auto& v) {
             return std::optional<types::ImuSample>(
                 {timestamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
         });
     fill_zero_readings(samples, file, findings);
     leave_out_frozen_readings(samples, file, findings);
+    leave_out_clipped_readings(samples, file, findings);
     check_imu_units(samples, file, findings);
     return samples;
 }

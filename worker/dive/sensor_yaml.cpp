@@ -1,6 +1,8 @@
 #include "worker/dive/sensor_yaml.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <set>
 #include <sstream>
 #include <vector>
@@ -123,12 +125,14 @@ std::string text_at(const YAML::Node& root, const char* key) {
     return node && node.IsScalar() ? node.Scalar() : "";
 }
 
+// Returns a transform of four rows, the last of which may be left out.
 std::optional<Eigen::Matrix4d> matrix_at(const YAML::Node& root, const char* key) {
     const YAML::Node node = root[key];
     if (!node || node.IsNull()) return std::nullopt;
     std::vector<double> numbers;
     if (node.IsMap() && !node["data"]) throw YAML::ParserException(node.Mark(), "it has no data");
     append_numbers(node.IsMap() ? node["data"] : node, numbers);
+    if (numbers.size() == 12) numbers.insert(numbers.end(), {0.0, 0.0, 0.0, 1.0});
     if (numbers.size() != 16)
         throw YAML::ParserException(
             node.Mark(),
@@ -152,6 +156,17 @@ SensorYaml convert(const YAML::Node& root) {
     return yaml;
 }
 
+// Returns the number of the first line that begins with a tab, which YAML does not allow.
+std::optional<std::int64_t> line_indented_by_tab(std::string_view text) {
+    for (std::int64_t line = 1; !text.empty(); ++line) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        const std::size_t indent = text.substr(0, end).find_first_not_of(" \t");
+        if (text.substr(0, std::min(indent, end)).find('\t') != std::string_view::npos) return line;
+        text.remove_prefix(std::min(end + 1, text.size()));
+    }
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<SensorYaml> parse_sensor_yaml(std::string_view text,
@@ -167,6 +182,13 @@ std::optional<SensorYaml> parse_sensor_yaml(std::string_view text,
     try {
         return convert(load_guarded(without_directive(text)));
     } catch (const YAML::Exception& error) {
+        if (const auto line = line_indented_by_tab(text)) {
+            findings.error("calibration_unreadable",
+                           file + ":" + std::to_string(*line),
+                           file + " cannot be read: a line is indented by a tab",
+                           "Indent the lines of YAML by blanks.");
+            return std::nullopt;
+        }
         const bool has_line = !error.mark.is_null();
         findings.error(
             "calibration_unreadable",

@@ -12,7 +12,8 @@ constexpr std::size_t kFirstJudgement = 16;  // spans
 constexpr std::size_t kJudgementStep = 4;
 // The watch notices a fault only after this many wrong spans.
 constexpr std::size_t kUnnoticed = 8;
-constexpr int kNumLost = 3;  // frames in a row: the scene is lost, not one image spoilt
+constexpr double kMaxMended_s = 0.01;  // of the time offset, while a dive is tracked
+constexpr int kNumLost = 3;            // frames in a row: the scene is lost, not one image spoilt
 
 std::vector<types::ImuSample> shifted(const std::vector<types::ImuSample>& samples,
                                       double offset_s) {
@@ -74,6 +75,13 @@ void SensorWatch::watch(const VisionMotion& motion, InertialPrior& inertial) {
     if (turns_.spans().size() < next_judgement_) return;
     next_judgement_ = turns_.spans().size() + kJudgementStep;
     judge(inertial);
+}
+
+void SensorWatch::aligned(const types::ImuAlignment& alignment) {
+    if (plan_.left_out.imu || restart_) return;
+    if (std::abs(alignment.time_offset_s - plan_.time_offset_s) < kMaxMended_s) return;
+    restart_ = plan_;
+    restart_->time_offset_s = alignment.time_offset_s;
 }
 
 void SensorWatch::lost_scene() {

@@ -21,6 +21,7 @@ struct SensorPlan {
     bool imu_on_probation = false;
     bool imu_confirmed = false;    // by an earlier attempt: it stays in use when the scene is lost
     GyroscopeJudgement gyroscope;  // why the plan differs from the dive as stated
+    bool accelerometer_clipped = false;      // known before tracking, and told by the dive
     double gravity_disagreement_m_s2 = 0.0;  // likewise, of the accelerometer
     AhrsJudgement ahrs;                      // likewise
 };
@@ -42,6 +43,9 @@ public:
     // Takes in a motion measured by vision alone. Leaves the IMU out of `inertial` for the time in
     // which it contradicts vision.
     void watch(const VisionMotion& motion, InertialPrior& inertial);
+    // Takes in the alignment that is used from now on. The dive starts anew if what was tracked so
+    // far had a clock offset too large to be mended by it.
+    void aligned(const types::ImuAlignment& alignment);
     // Takes in that vision lost the scene in a frame.
     void lost_scene();
 

@@ -173,7 +173,7 @@ std::vector<Finding> sensor_findings(const imu::SensorPlan& plan) {
     }
     if (plan.time_offset_s != 0.0) findings.push_back(clock_offset(plan.time_offset_s));
     if (!plan.left_out.imu_times.empty()) findings.push_back(imu_left_out_for_a_time(plan));
-    if (plan.left_out.accelerometer)
+    if (plan.left_out.accelerometer && !plan.accelerometer_clipped)
         findings.push_back(accelerometer_left_out(plan.gravity_disagreement_m_s2));
     return findings;
 }

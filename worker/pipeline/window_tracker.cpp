@@ -8,15 +8,13 @@
 #include "worker/odometry/predict_orientation.hpp"
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/support.hpp"
+#include "worker/pipeline/sensor_attempts.hpp"
 #include "worker/pipeline/sensor_findings.hpp"
 #include "worker/stereo/disparity_search_range.hpp"
 
 namespace divemesh::pipeline {
 namespace {
 
-// Attempts: as stated, by vision alone, with another clock offset or fewer sensors, and without the
-// times in which a sensor contradicted the images.
-constexpr int kMaxAttempts = 5;
 // A rig that hardly moves looks for new features at once if it has fewer.
 constexpr std::size_t kFewFeatures = 60;
 
@@ -105,7 +103,10 @@ void WindowTracker::watch_sensors(const Observed& seen,
     if (!state_.map.is_adjusted() && rest_.hardly_moves())
         state_.inertial.learn_bias(
             before_ns, now_ns, Eigen::Quaterniond(motion->T_from_to.linear()));
-    if (state_.options.align_imu) aligner_.watch(*motion, state_.inertial);
+    if (state_.options.align_imu) {
+        aligner_.watch(*motion, state_.inertial);
+        sensors_.aligned(aligner_.alignment());
+    }
     sensors_.watch(*motion, state_.inertial);
 }
 
@@ -195,24 +196,14 @@ types::Track track_window(types::Recording& recording,
         at.fraction = reached;
         progress(at);
     };
-    imu::SensorPlan plan;
-    for (int attempt = 1;; ++attempt) {
-        WindowTracker tracker(rectifier.rig(), recording, options, plan);
+    for (SensorAttempts attempts(recording);;) {
+        WindowTracker tracker(rectifier.rig(), recording, options, attempts.plan());
         types::Track track =
             track_frames(recording, rectifier, options, store, tracker, forward_progress);
-        auto other = tracker.sensors().restart();
-        if (!other) other = tracker.sensors().restart_at_end();
-        if (!other) {
-            plan = tracker.sensors().plan();
-            track.left_out = plan.left_out;
-            track.findings = sensor_findings(plan);
+        if (!attempts.again(tracker.sensors(), track)) {
+            track.left_out = attempts.plan().left_out;
+            track.findings = sensor_findings(attempts.plan());
             return track;
-        }
-        plan = *other;
-        if (attempt + 1 == kMaxAttempts) {
-            plan.left_out.imu = true;  // then nothing asks for another attempt
-            plan.imu_on_probation = false;
-            plan.gyroscope.fault = imu::GyroscopeFault::None;
         }
         recording.rewind();
         store.clear();

@@ -129,9 +129,13 @@ TEST(HandEyeTest, SharedDiveWithSwappedImagesIsRefused) {
     std::filesystem::rename(folder / "mav0/cam1/data", folder / "mav0/cam0/data");
     std::filesystem::rename(folder / "mav0/swap", folder / "mav0/cam1/data");
 
-    const auto dive = Dive::open(folder.path(), folder / "scratch");
-
-    EXPECT_THAT(dive->findings(), HasFinding(Severity::Error, "cameras_swapped", "mav0/cam0/data"));
+    for (const char* recorded : {"with an IMU", "without one"}) {
+        const auto dive = Dive::open(folder.path(), folder / "scratch");
+        EXPECT_THAT(dive->findings(),
+                    HasFinding(Severity::Error, "cameras_swapped", "mav0/cam0/data"))
+            << recorded;
+        std::filesystem::remove_all(folder / "mav0/imu0");
+    }
 }
 
 }  // namespace

@@ -89,6 +89,20 @@ TEST(SensorWatchTest, AClockThatIsOffIsShifted) {
     EXPECT_NEAR(seen.watch.restart()->time_offset_s, 0.4, 0.01);
 }
 
+TEST(SensorWatchTest, AnOffsetThatWasLearntLateIsUsedFromTheStart) {
+    const synthetic::SensorRecording recording = dive(as_measured);
+    SensorWatch watch(recording, {.imu = true, .ahrs = false}, {});
+    watch.aligned({.time_offset_s = 0.006});
+    EXPECT_FALSE(watch.restart());
+    watch.aligned({.time_offset_s = 0.025});
+    ASSERT_TRUE(watch.restart());
+    EXPECT_EQ(watch.restart()->time_offset_s, 0.025);
+    EXPECT_FALSE(watch.restart()->left_out.imu);
+    SensorWatch next(recording, {.imu = true, .ahrs = false}, *watch.restart());
+    next.aligned({.time_offset_s = 0.026});
+    EXPECT_FALSE(next.restart());
+}
+
 TEST(SensorWatchTest, AnAccelerometerWithOtherAxesIsLeftOutAndTheGyroscopeStays) {
     const Watched seen = watched(dive([](types::ImuSample& sample) {
         std::swap(sample.acceleration_imu.x(), sample.acceleration_imu.y());

@@ -1,0 +1,74 @@
+#include "worker/pipeline/sensor_attempts.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/synthetic/sensor_recording.hpp"
+
+namespace divemesh::pipeline {
+namespace {
+
+constexpr int kNumFrames = 100;
+
+// Attempts to track a dive with a readable IMU in which the scene is lost.
+class SensorAttemptsTest : public testing::Test {
+protected:
+    SensorAttemptsTest() {
+        recording_.its_rig.imu_noise = types::ImuNoise{};
+        for (int i = 0; i < 2000; ++i)
+            recording_.its_imu.push_back(
+                {i * std::int64_t{5'000'000}, {0.1, 0.0, 1e-3 * (i % 7)}, {0.0, 0.0, 9.8}});
+    }
+    // Returns whether the dive is tracked anew after vision measured so many frames.
+    bool again(SensorAttempts& attempts, int num_measured, bool loses_scene = false) const {
+        imu::SensorWatch watch(recording_, {.imu = true, .ahrs = false}, attempts.plan());
+        for (int i = 0; loses_scene && i < 3; ++i) watch.lost_scene();
+        types::Track track;
+        track.motions.assign(kNumFrames, types::MotionSource::Nothing);
+        std::fill_n(track.motions.begin(), num_measured, types::MotionSource::Vision);
+        return attempts.again(watch, track);
+    }
+    // Returns attempts of which the second, by vision alone, measured so many frames.
+    SensorAttempts alone(int num_measured, bool expect_trial) const {
+        SensorAttempts attempts(recording_);
+        EXPECT_FALSE(attempts.plan().left_out.imu);
+        EXPECT_TRUE(again(attempts, 3, true));
+        EXPECT_TRUE(attempts.plan().left_out.imu);
+        EXPECT_TRUE(attempts.plan().imu_on_probation);
+        EXPECT_EQ(again(attempts, num_measured), expect_trial);
+        return attempts;
+    }
+
+    synthetic::SensorRecording recording_;
+};
+
+TEST_F(SensorAttemptsTest, VisionAloneIsEnoughIfItLosesLittle) {
+    EXPECT_TRUE(alone(95, false).plan().left_out.imu);
+}
+
+TEST_F(SensorAttemptsTest, AnUnconfirmedImuThatFindsTheSceneAgainIsUsed) {
+    SensorAttempts attempts = alone(50, true);
+    EXPECT_FALSE(attempts.plan().left_out.imu);
+    EXPECT_TRUE(attempts.plan().imu_confirmed);
+    EXPECT_FALSE(again(attempts, 80));
+    EXPECT_FALSE(attempts.plan().left_out.imu);
+    EXPECT_FALSE(attempts.plan().imu_on_probation);
+}
+
+TEST_F(SensorAttemptsTest, OneThatDoesNotIsLeftOutAndTheDiveEnds) {
+    SensorAttempts attempts = alone(50, true);
+    EXPECT_TRUE(again(attempts, 52));
+    EXPECT_TRUE(attempts.plan().left_out.imu);
+    EXPECT_FALSE(again(attempts, 50));
+}
+
+TEST_F(SensorAttemptsTest, AClippedAccelerometerIsNotUsedFromTheStart) {
+    for (std::size_t i = 0; i < recording_.its_imu.size(); ++i)
+        recording_.its_imu[i].acceleration_imu.z() =
+            i / 100 % 2 == 0 ? 10.0 : 9.0 + 1e-3 * static_cast<double>(i % 100);
+    const SensorAttempts attempts(recording_);
+    EXPECT_TRUE(attempts.plan().left_out.accelerometer);
+    EXPECT_FALSE(attempts.plan().left_out.imu);
+}
+
+}  // namespace
+}  // namespace divemesh::pipeline

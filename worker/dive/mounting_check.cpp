@@ -1,0 +1,76 @@
+#include "worker/dive/mounting_check.hpp"
+
+#include <algorithm>
+#include <opencv2/core.hpp>
+#include <string>
+
+#include "worker/dive/track_corners.hpp"
+
+namespace divemesh::dive {
+namespace {
+
+constexpr int kEnoughCorners = 100;
+constexpr double kMaxShareAsRecorded = 0.3;
+constexpr double kMinShareTurned = 0.5;
+constexpr double kMaxInPlace_px = 0.1;
+constexpr double kMinShareInPlace = 0.95;
+
+struct Turn {
+    int flip;  // as in cv::flip
+    const char* seen;
+    const char* filter;  // of ffmpeg
+};
+constexpr std::array<Turn, 3> kTurns = {{{-1, "turned by 180 degrees", "hflip,vflip"},
+                                         {1, "mirrored from left to right", "hflip"},
+                                         {0, "mirrored from top to bottom", "vflip"}}};
+
+double share(int num, int of) { return of > 0 ? static_cast<double>(num) / of : 0.0; }
+
+}  // namespace
+
+void MountingCheck::add(const cv::Mat& left,
+                        const cv::Mat& right,
+                        const std::vector<cv::Point2f>& corners,
+                        const std::vector<cv::Point2f>& found_at,
+                        const std::vector<bool>& found) {
+    const auto num_found = static_cast<int>(std::ranges::count(found, true));
+    num_corners_ += static_cast<int>(corners.size());
+    num_found_ += num_found;
+    for (std::size_t i = 0; i < corners.size(); ++i)
+        if (found[i] && cv::norm(found_at[i] - corners[i]) < kMaxInPlace_px) ++num_in_place_;
+    if (num_found > kMaxShareAsRecorded * static_cast<double>(corners.size())) return;
+    for (std::size_t turn = 0; turn < kNumTurns; ++turn) {
+        cv::Mat turned;
+        cv::flip(right, turned, kTurns[turn].flip);
+        std::vector<bool> found_turned(corners.size(), true);
+        track_corners(left, turned, corners, found_turned);
+        num_found_turned_[turn] += static_cast<int>(std::ranges::count(found_turned, true));
+    }
+}
+
+void MountingCheck::report(FindingLog& findings) const {
+    if (num_corners_ < kEnoughCorners) return;
+    if (num_found_ > kEnoughCorners && share(num_in_place_, num_found_) > kMinShareInPlace)
+        return findings.error("cameras_identical",
+                              "mav0/cam1/data",
+                              std::to_string(num_in_place_) + " of " + std::to_string(num_found_) +
+                                  " points are at the same pixel in the left and in the right "
+                                  "image: both folders hold the images of one camera",
+                              "Copy the images of the right camera to mav0/cam1. A recording of "
+                              "one camera alone cannot be measured.");
+    const auto best = std::ranges::max_element(num_found_turned_);
+    if (share(num_found_, num_corners_) > kMaxShareAsRecorded ||
+        share(*best, num_corners_) < kMinShareTurned)
+        return;
+    const Turn& turn = kTurns[static_cast<std::size_t>(best - num_found_turned_.begin())];
+    findings.error(
+        "camera_turned",
+        "mav0/cam1/data",
+        std::to_string(num_found_) + " of " + std::to_string(num_corners_) +
+            " points of the left images are found in the right ones, but " + std::to_string(*best) +
+            " if those are " + turn.seen,
+        std::string("Turn the images of one camera so that both are upright (ffmpeg -vf ") +
+            turn.filter + "), and use a calibration of the turned images.");
+}
+
+}  // namespace divemesh::dive
