@@ -13,6 +13,7 @@ double information(const ScaleCheck& check) { return 1.0 / (check.sigma * check.
 
 ScaleCheck mean_of(const std::vector<ScaleSource>& sources) {
     std::vector<ScaleCheck> checks;
+    checks.reserve(sources.size());
     for (const ScaleSource& source : sources) checks.push_back(source.check);
     return weighted_mean(checks);
 }
