@@ -40,7 +40,8 @@ std::array<float, 3> normal3(std::uint64_t seed) {
 
 std::uint8_t tone(float linear) {
     const float clamped = std::clamp(linear, 0.0F, 1.0F);
-    return tone_curve()[static_cast<std::size_t>(clamped * kToneSteps + 0.5F)];
+    const float step = clamped * kToneSteps + 0.5F;
+    return tone_curve()[static_cast<std::size_t>(step)];
 }
 
 cv::Mat develop(const cv::Mat& radiance,
