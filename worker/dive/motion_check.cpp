@@ -201,7 +201,7 @@ private:
     }
 
     void report_stereo() {
-        if (std::ssize(stereo_) < 4 * kMinPoints) return;
+        if (std::ssize(stereo_) < std::ptrdiff_t{4} * kMinPoints) return;
         const auto median_error_px = [](const std::vector<StereoPoint>& points) {
             std::vector<double> errors_px;
             errors_px.reserve(points.size());

@@ -139,7 +139,8 @@ private:
         const auto middle = images_.left.size() / 2;
         const auto begin = middle - std::min(middle, kMaxProfileRows / 2);
         const std::int64_t begin_ns = images_.left[begin].timestamp_ns;
-        const std::int64_t end_ns = begin_ns + kMaxProfileRows * kProfilePeriod_ns * 2;
+        const std::int64_t end_ns =
+            begin_ns + 2 * kProfilePeriod_ns * static_cast<std::int64_t>(kMaxProfileRows);
         auto left = rows_between(images_.left, begin_ns, end_ns);
         left.resize(std::min(left.size(), kMaxProfileRows));
         if (left.empty()) return known;

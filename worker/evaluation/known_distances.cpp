@@ -25,7 +25,7 @@ struct View {
 
 std::optional<Eigen::Vector2d> project_inside(const types::Camera& camera,
                                               const Eigen::Vector3d& p_cam) {
-    const auto pixel = camera::project(camera, p_cam);
+    auto pixel = camera::project(camera, p_cam);
     if (!pixel || !camera::contains(camera, *pixel)) return std::nullopt;
     // Far outside the lens's field of view the distortion polynomial folds back into the image.
     const Eigen::Vector3d ray = camera::unproject(camera, *pixel);
@@ -203,7 +203,7 @@ MarkedEnds within_one_segment(MarkedEnds marks, const std::vector<TrackingSegmen
 
 // Returns the marks of the frames that show both ends, if these are enough: the errors of their
 // poses move both alike and cancel in the length.
-MarkedEnds in_common_frames(MarkedEnds marks) {
+MarkedEnds in_common_frames(const MarkedEnds& marks) {
     const auto in = [](const std::vector<dive::Mark>& wanted, const std::vector<dive::Mark>& all) {
         std::vector<dive::Mark> common;
         for (const dive::Mark& mark : wanted)

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <embree3/rtcore.h>
 #include <limits>
+#include <memory>
 
 #include "schemas/error.hpp"
 
@@ -53,7 +54,8 @@ SurfaceIndex::SurfaceIndex(const types::Mesh& mesh, bool is_compact)
                                                   RTC_FORMAT_UINT3,
                                                   sizeof mesh.triangles[0],
                                                   mesh.triangles.size());
-        std::memcpy(vertices, mesh.vertices.data(), mesh.vertices.size() * sizeof(Eigen::Vector3f));
+        std::uninitialized_copy(
+            mesh.vertices.begin(), mesh.vertices.end(), static_cast<Eigen::Vector3f*>(vertices));
         std::memcpy(
             triangles, mesh.triangles.data(), mesh.triangles.size() * sizeof mesh.triangles[0]);
         rtcCommitGeometry(geometry);

@@ -114,7 +114,7 @@ std::optional<Eigen::Vector2d> align_keypoint(const DescribedImage& a,
                                               std::size_t of_a,
                                               const DescribedImage& b,
                                               std::size_t of_b) {
-    const auto found = aligned(a.described, b.described, a.keypoint_px(of_a), b.keypoint_px(of_b));
+    auto found = aligned(a.described, b.described, a.keypoint_px(of_a), b.keypoint_px(of_b));
     if (!found || a.scale == 1.0) return found;
     return aligned(a.full, b.full, a.full_px(of_a), at_full_size(*found, b.scale));
 }

@@ -92,7 +92,7 @@ public:
             H(0, 0) = 1.0;
             g(0) = 0.0;
         }
-        const Matrix7 covariance = H.ldlt().solve(Matrix7::Identity());
+        Matrix7 covariance = H.ldlt().solve(Matrix7::Identity());
         const Vector7 change = -covariance * g;
         const double reach_s = 1e-9 * static_cast<double>(kReach_ns);
         state.offset_s = std::clamp(state.offset_s + change(0), -reach_s, reach_s);

@@ -60,7 +60,7 @@ int num_keyframes(const std::vector<CornerView>& views) {
 std::optional<Corners> settle(std::vector<CornerView>& views) {
     for (int round = 0; round < 3; ++round) {
         if (num_keyframes(views) < kMinMarkerKeyframes) return std::nullopt;
-        const auto corners = triangulate_corners(views);
+        auto corners = triangulate_corners(views);
         if (!corners) return std::nullopt;
         std::vector<double> errors_px;
         errors_px.reserve(views.size());

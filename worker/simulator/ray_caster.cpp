@@ -1,6 +1,7 @@
 #include "worker/simulator/ray_caster.hpp"
 
 #include <cstring>
+#include <memory>
 
 #include "schemas/error.hpp"
 
@@ -33,7 +34,8 @@ RayCaster::RayCaster(const std::vector<Eigen::Vector3f>& vertices,
                                             triangles.size());
     if (!points || !indices)
         throw Error(ErrorCode::Unavailable, "not enough memory for the scene's triangles");
-    std::memcpy(points, vertices.data(), vertices.size() * sizeof(Eigen::Vector3f));
+    std::uninitialized_copy(
+        vertices.begin(), vertices.end(), static_cast<Eigen::Vector3f*>(points));
     std::memcpy(indices, triangles.data(), triangles.size() * sizeof(triangles[0]));
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene_.get(), geometry);
