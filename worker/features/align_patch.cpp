@@ -64,7 +64,7 @@ bool read_warped(const cv::Mat& image,
     for (int v = 0; v < kOuterSide_px; ++v) {
         for (int u = 0; u < kOuterSide_px; ++u) {
             const Eigen::Vector2d pixel = centre + warp * Eigen::Vector2d(u - kHalf, v - kHalf);
-            outer[static_cast<std::size_t>(v * kOuterSide_px + u)] =
+            outer[static_cast<std::size_t>(v) * kOuterSide_px + u] =
                 static_cast<std::int16_t>(kSixBits * bilinear(image, pixel.x(), pixel.y()));
         }
     }

@@ -63,7 +63,7 @@ int EpipolarSearch::find(
     const int farthest = std::min(num_disparities_px, u - kRadius_px);
     if (farthest < 1) return 0;
     const int num = farthest + 1;
-    columns_.resize(static_cast<std::size_t>(num + kSide_px));
+    columns_.resize(static_cast<std::size_t>(num) + kSide_px);
     offsets_.resize(static_cast<std::size_t>(num));
     costs_.resize(static_cast<std::size_t>(num));
     const Strip strip{left.ptr<std::uint8_t>(v - kRadius_px) + u - kRadius_px,

@@ -94,7 +94,7 @@ Fit fit_changes(std::size_t num, double noise_m, double tilt_rad, std::vector<Ch
         right += changes[i].path_m * changes[i].depth_m / variance_m2;
     }
     const Eigen::Matrix3d covariance = information.inverse();
-    const Fit fit{covariance * right, std::sqrt(covariance(2, 2))};
+    Fit fit{covariance * right, std::sqrt(covariance(2, 2))};
     for (Change& change : changes)
         change.error_m = std::abs(change.depth_m - fit.slopes.dot(change.path_m));
     std::sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
