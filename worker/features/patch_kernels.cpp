@@ -44,7 +44,7 @@ DIVEMESH_INLINE_BODY ColumnProducts make_columns(const Value* __restrict outer,
     Value* __restrict x = columns.gradient_x;
     Value* __restrict y = columns.gradient_y;
     for (int v = 0; v < kPatchSide_px; ++v) {
-        const Value* here = outer + (v + 1) * kOuterSide_px + 1;
+        const Value* here = &outer[(v + 1) * kOuterSide_px + 1];
         for (int u = 0; u < kPatchSide_px; ++u) {
             const int i = v * kPatchSide_px + u;
             value[i] = static_cast<Value>((here[u] - columns.centre) >> 2);

@@ -157,9 +157,11 @@ DIVEMESH_INLINE_BODY void forward_body(const ForwardRow* rows, int num_rows, int
     for (int r = 0; r < num_rows; ++r) {
         sweeps[r].row = &rows[r];
         sweeps[r].left_min = broadcast(0);
-        for (int i = 0; i < num_vectors; ++i)
-            store(sweeps[r].from_left + i * kBytes,
-                  first_or(broadcast(0), rows[r].num_disparities - i * kBytes, kOutsideCost));
+        for (int i = 0; i < num_vectors; ++i) {
+            const int d = i * kBytes;
+            store(sweeps[r].from_left + d,
+                  first_or(broadcast(0), rows[r].num_disparities - d, kOutsideCost));
+        }
         for (int p = 0; p < 3; ++p) sweeps[r].slots[p] = rows[r].above[p].first_slot;
     }
     const int width = rows[0].width;
@@ -180,8 +182,9 @@ DIVEMESH_INLINE_BODY int find_first(const std::uint8_t* sums, int num_vectors, i
     const V best_v = broadcast(best);
     int first = 0;
     for (int i = num_vectors - 1; i >= 0; --i) {
-        const std::uint64_t equal = where_equal(load(sums + i * kBytes), best_v);
-        first = equal != 0 ? i * kBytes + __builtin_ctzll(equal) : first;
+        const int d = i * kBytes;
+        const std::uint64_t equal = where_equal(load(sums + d), best_v);
+        first = equal != 0 ? d + __builtin_ctzll(equal) : first;
     }
     return first;
 }
@@ -194,8 +197,10 @@ DIVEMESH_INLINE_BODY bool is_unique(const std::uint8_t* sums,
     const int best = sums[winner];
     const int limit = std::min(255, best * 100 / (100 - kUniqueness_percent));
     int num_near = 0;
-    for (int i = 0; i < num_vectors; ++i)
-        num_near += num_at_most(load(sums + i * kBytes), broadcast(limit), num - i * kBytes);
+    for (int i = 0; i < num_vectors; ++i) {
+        const int d = i * kBytes;
+        num_near += num_at_most(load(sums + d), broadcast(limit), num - d);
+    }
     const int num_own =
         1 + (sums[winner - 1] <= limit ? 1 : 0) + (sums[winner + 1] <= limit ? 1 : 0);
     return (best < 255) & (winner > 0) & (winner < num - 1) & (num_near == num_own);
@@ -242,9 +247,11 @@ DIVEMESH_INLINE_BODY void backward_body(const BackwardRow* rows, int num_rows, i
     for (int r = 0; r < num_rows; ++r) {
         sweeps[r].row = &rows[r];
         sweeps[r].min_cost = broadcast(0);
-        for (int i = 0; i < num_vectors; ++i)
-            store(sweeps[r].from_right + i * kBytes,
-                  first_or(broadcast(0), rows[r].num_disparities - i * kBytes, kOutsideCost));
+        for (int i = 0; i < num_vectors; ++i) {
+            const int d = i * kBytes;
+            store(sweeps[r].from_right + d,
+                  first_or(broadcast(0), rows[r].num_disparities - d, kOutsideCost));
+        }
     }
     if (num_rows == 1) {
         for (int x = rows[0].width - 1; x >= 0; --x) backward_pixel(sweeps[0], x, num_vectors);
