@@ -34,8 +34,8 @@ bool read_right(const cv::Mat& right, int u, int v, const DisparityPlane& plane,
             if (!(at >= 0.0F && at < static_cast<float>(right.cols - 1))) return false;
             const int column = static_cast<int>(at);
             const float share = at - static_cast<float>(column);
-            values[static_cast<std::size_t>(i)] =
-                (1.0F - share) * row[column] + share * row[column + 1];
+            values[static_cast<std::size_t>(i)] = (1.0F - share) * static_cast<float>(row[column]) +
+                                                  share * static_cast<float>(row[column + 1]);
         }
     }
     return true;
