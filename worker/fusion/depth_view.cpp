@@ -78,8 +78,9 @@ struct Optics {
 DIVEMESH_INLINE_BODY base::Masks colors(const std::uint8_t* bgr) {
     base::Masks packed;
     for (int i = 0; i < base::kLanes; ++i) {
+        const int first = 3 * i;
         std::uint32_t four;
-        std::memcpy(&four, bgr + 3 * i, sizeof four);
+        std::memcpy(&four, bgr + first, sizeof four);
         packed[i] = static_cast<std::int32_t>(four & 0xffffff);
     }
     return packed;
@@ -132,6 +133,7 @@ DIVEMESH_INLINE_BODY void fit_planes(const DepthRow& row,
         good &= cosine >= kMinCosine;
         const base::Floats ramp = base::min(
             base::broadcast(1.0F), (inside - kDeadRim_px) / (kFullWeight_px - kDeadRim_px));
+        const int first_byte = 3 * u;
         base::Floats fields[base::kLanes] = {
             base::select(good, plane_x / length),
             base::select(good, plane_y / length),
@@ -140,7 +142,7 @@ DIVEMESH_INLINE_BODY void fit_planes(const DepthRow& row,
             base::select(good, base::load(row.sigma + u)),
             base::select(good, optics.focal_baseline / d),
             base::select(good, cosine * ramp),
-            base::select(good, reinterpret_cast<base::Floats>(colors(row.image + 3 * u)))};
+            base::select(good, reinterpret_cast<base::Floats>(colors(row.image + first_byte)))};
         base::transpose(fields);
         std::memcpy(pixels + u, fields, sizeof fields);
     }

@@ -38,9 +38,10 @@ public:
             any = true;
             out.distance_m[i] = voxel_m * distance_[i] / weight_[i];
             out.sigma_m[i] = 1.0F / std::sqrt(weight_[i]);
-            for (int channel = 0; channel < 3; ++channel)
-                out.color[i][channel] =
-                    static_cast<std::uint8_t>(color_[i][channel] / weight_[i] + 0.5F);
+            for (int channel = 0; channel < 3; ++channel) {
+                const float shifted = color_[i][channel] / weight_[i] + 0.5F;
+                out.color[i][channel] = static_cast<std::uint8_t>(shifted);
+            }
             out.num_views[i] = num_views_[i];
         }
         return any;

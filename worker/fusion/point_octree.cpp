@@ -15,7 +15,8 @@ constexpr int kLevelsPerTrim = 4;
 // Moves one of three means toward a new value by its share; values are in steps and not negative.
 std::uint32_t moved(std::uint32_t means, int i, float value, float share) {
     const auto before = static_cast<float>(unpack(means, i));
-    const auto after = static_cast<std::int32_t>(before + share * (value - before) + 0.5F);
+    const float shifted = before + share * (value - before) + 0.5F;
+    const auto after = static_cast<std::int32_t>(shifted);
     return packed(std::clamp(after, 0, PackedTriple::largest(i)), i);
 }
 

@@ -19,6 +19,6 @@ struct TsdfBlock {
     std::array<std::uint16_t, kBlockSamples> num_views{};
     std::array<std::uint32_t, kBlockSamples> color{};  // red, green, blue; 0: no colour
 };
-static_assert(sizeof(TsdfBlock) == 10 * kBlockSamples);
+static_assert(sizeof(TsdfBlock) == std::size_t{10} * kBlockSamples);
 
 }  // namespace divemesh::fusion
