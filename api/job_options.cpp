@@ -81,11 +81,11 @@ void check(const json& options, const Checks& checks) {
 }
 
 const Checks& scheduled_checks() {
-    static const Checks checks = {{"require", check_requirements},
-                                  {"lever_arm", check_lever_arm},
-                                  {"time_offset", check_time_offset},
-                                  {"fresh", check_flag}};
-    return checks;
+    static const Checks kChecks = {{"require", check_requirements},
+                                   {"lever_arm", check_lever_arm},
+                                   {"time_offset", check_time_offset},
+                                   {"fresh", check_flag}};
+    return kChecks;
 }
 
 }  // namespace

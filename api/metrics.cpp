@@ -44,13 +44,14 @@ void append_histogram(std::string& text,
                       std::span<const double> bounds,
                       const Counts& counts,
                       double sum) {
-    const std::string comma = labels.empty() ? "" : ",";
+    const std::string bucket = name + "_bucket{" + labels + (labels.empty() ? "" : ",") + "le=\"";
+    const auto bound_text = [&](std::size_t i) {
+        return i < bounds.size() ? number_text(bounds[i]) : "+Inf";
+    };
     std::int64_t below = 0;
     for (std::size_t i = 0; i < counts.size(); ++i) {
         below += counts[i];
-        const std::string bound = i < bounds.size() ? number_text(bounds[i]) : "+Inf";
-        text += name + "_bucket{" + labels + comma + "le=\"" + bound + "\"} " +
-                std::to_string(below) + "\n";
+        text += bucket + bound_text(i) + "\"} " + std::to_string(below) + "\n";
     }
     append(text, name + "_sum", labels, sum);
     text += name + "_count" + in_braces(labels) + " " + std::to_string(below) + "\n";
@@ -115,8 +116,30 @@ void Metrics::count_request(const Route* route,
 }
 
 std::string Metrics::text(const storage::Statistics& stored, std::int64_t free_bytes) const {
-    const auto all = routes();
     std::string text;
+    append_requests(text);
+    begin(
+        text, "divemesh_upload_bytes", "histogram", "bytes of completed uploads, including parts");
+    uploaded_bytes.append(text, "divemesh_upload_bytes", "");
+    begin(text,
+          "divemesh_upload_resumed_bytes",
+          "histogram",
+          "bytes that a resuming client did not have to send again");
+    resumed_bytes.append(text, "divemesh_upload_resumed_bytes", "");
+    append_stages(text, stored.stages);
+    append_numbers(text, stored, free_bytes);
+    append_counts(text, "divemesh_jobs", "jobs by state", stored.jobs);
+    append_counts(text, "divemesh_dives", "dives by state", stored.dives);
+    append_counts(text, "divemesh_attempts", "attempts by their outcome", stored.attempts);
+    append_counts(text,
+                  "divemesh_attempts_milliseconds",
+                  "milliseconds spent in attempts",
+                  stored.attempt_ms);
+    return text;
+}
+
+void Metrics::append_requests(std::string& text) const {
+    const auto all = routes();
     begin(text, "divemesh_http_requests_total", "counter", "answers by route and class of status");
     for (std::size_t i = 0; i < routes_.size(); ++i)
         for (std::size_t c = 1; c < routes_[i].by_class.size(); ++c)
@@ -132,15 +155,11 @@ std::string Metrics::text(const storage::Statistics& stored, std::int64_t free_b
     for (std::size_t i = 0; i < routes_.size(); ++i)
         if (routes_[i].seconds.count() > 0)
             routes_[i].seconds.append(text, "divemesh_http_request_seconds", labels_of(all, i));
-    begin(
-        text, "divemesh_upload_bytes", "histogram", "bytes of completed uploads, including parts");
-    uploaded_bytes.append(text, "divemesh_upload_bytes", "");
-    begin(text,
-          "divemesh_upload_resumed_bytes",
-          "histogram",
-          "bytes that a resuming client did not have to send again");
-    resumed_bytes.append(text, "divemesh_upload_resumed_bytes", "");
-    append_stages(text, stored.stages);
+}
+
+void Metrics::append_numbers(std::string& text,
+                             const storage::Statistics& stored,
+                             std::int64_t free_bytes) const {
     const struct {
         const char* name;
         const char* type;
@@ -180,14 +199,6 @@ std::string Metrics::text(const storage::Statistics& stored, std::int64_t free_b
                "seconds since the lease that is most overdue should have ended; negative: no lease "
                "is overdue",
                1e-3 * static_cast<double>(stored.lease_overdue_ms));
-    append_counts(text, "divemesh_jobs", "jobs by state", stored.jobs);
-    append_counts(text, "divemesh_dives", "dives by state", stored.dives);
-    append_counts(text, "divemesh_attempts", "attempts by their outcome", stored.attempts);
-    append_counts(text,
-                  "divemesh_attempts_milliseconds",
-                  "milliseconds spent in attempts",
-                  stored.attempt_ms);
-    return text;
 }
 
 }  // namespace divemesh::api

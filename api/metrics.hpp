@@ -67,6 +67,12 @@ private:
         Histogram seconds{kRequestBounds_s};
         std::array<std::atomic<std::int64_t>, 6> by_class = {};  // [2]: 2xx
     };
+
+    void append_requests(std::string& text) const;
+    void append_numbers(std::string& text,
+                        const storage::Statistics& stored,
+                        std::int64_t free_bytes) const;
+
     std::vector<OfRoute> routes_;  // the last one: no route
 };
 

@@ -23,6 +23,18 @@ std::string dive_path(const std::string& dive_id) {
     return "/api/v1/dives/" + api::client::percent_encode(dive_id);
 }
 
+const Artifact& find_artifact(const std::vector<Artifact>& artifacts,
+                              const std::string& job_id,
+                              const std::string& name) {
+    const auto found = std::find_if(
+        artifacts.begin(), artifacts.end(), [&](const Artifact& a) { return a.name == name; });
+    if (found == artifacts.end())
+        throw Error(ErrorCode::NotFound,
+                    "job " + job_id + " has no artifact " + name +
+                        ": `divemesh download` without names lists all of them");
+    return *found;
+}
+
 std::vector<Artifact> artifacts_of(api::client::RestClient& rest,
                                    const std::string& job_id,
                                    const std::vector<std::string>& names) {
@@ -31,15 +43,8 @@ std::vector<Artifact> artifacts_of(api::client::RestClient& rest,
         artifacts.push_back(item.get<Artifact>());
     if (names.empty()) return artifacts;
     std::vector<Artifact> chosen;
-    for (const auto& name : names) {
-        const auto found = std::find_if(
-            artifacts.begin(), artifacts.end(), [&](const Artifact& a) { return a.name == name; });
-        if (found == artifacts.end())
-            throw Error(ErrorCode::NotFound,
-                        "job " + job_id + " has no artifact " + name +
-                            ": `divemesh download` without names lists all of them");
-        chosen.push_back(*found);
-    }
+    chosen.reserve(names.size());
+    for (const auto& name : names) chosen.push_back(find_artifact(artifacts, job_id, name));
     return chosen;
 }
 

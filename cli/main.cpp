@@ -87,5 +87,10 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
     std::signal(SIGPIPE, SIG_IGN);
-    return divemesh::cli::run(argc, argv);
+    try {
+        return divemesh::cli::run(argc, argv);
+    } catch (const std::exception& error) {  // while setting up, or while reporting an error
+        std::cerr << "divemesh: internal error: " << error.what() << '\n';
+        return divemesh::cli::kExitFailed;
+    }
 }

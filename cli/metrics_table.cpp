@@ -49,7 +49,7 @@ std::string take_label(nlohmann::json& item, std::size_t index) {
     for (const char* key : {"stage", "name", "length_m", "threshold_m"}) {
         const auto found = item.find(key);
         if (found == item.end()) continue;
-        const std::string label =
+        std::string label =
             found->is_number() ? number_text("%.6g", found->get<double>()) : value_text(*found);
         item.erase(found);
         return label;
@@ -57,18 +57,21 @@ std::string take_label(nlohmann::json& item, std::size_t index) {
     return std::to_string(index);
 }
 
+std::string field_name(const std::string& parent, const std::string& key) {
+    return parent.empty() ? key : parent + "." + key;
+}
+
 void add_rows(Rows& rows, const std::string& name, const nlohmann::json& value) {
     if (value.is_object()) {
-        for (const auto& [key, item] : value.items())
-            add_rows(rows, name.empty() ? key : name + "." + key, item);
+        for (const auto& [key, item] : value.items()) add_rows(rows, field_name(name, key), item);
     } else if (value.is_array() && is_vector(value)) {
         rows.push_back({name, vector_text(value)});
     } else if (value.is_array()) {
         for (std::size_t i = 0; i < value.size(); ++i) {
             if (!value[i].is_object()) continue;
             nlohmann::json item = value[i];
-            const std::string label = take_label(item, i);
-            add_rows(rows, name + "[" + label + "]", item);
+            const std::string row_name = name + "[" + take_label(item, i) + "]";
+            add_rows(rows, row_name, item);
         }
     } else if (!value.is_null()) {
         rows.push_back({name, value_text(value)});

@@ -60,7 +60,7 @@ void redrive(client::RestClient& rest, const QueueOptions& options) {
 
 Queue wait_until_drained(client::RestClient& rest, const QueueOptions& options) {
     for (;;) {
-        const Queue queue = rest.get("/api/v1/queue", query_of(options)).get<Queue>();
+        Queue queue = rest.get("/api/v1/queue", query_of(options)).get<Queue>();
         if (!options.wait || queue.num_jobs.at("running") == 0) return queue;
         std::this_thread::sleep_for(std::chrono::seconds(1));
     }

@@ -2,25 +2,26 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <ctime>
 
 namespace divemesh::cli {
 
 std::string bytes_text(double bytes) {
-    constexpr std::array<const char*, 5> units = {"B", "kB", "MB", "GB", "TB"};
+    constexpr std::array<const char*, 5> kUnits = {"B", "kB", "MB", "GB", "TB"};
     std::size_t unit = 0;
-    while (bytes >= 999.5 && unit + 1 < units.size()) {
+    while (bytes >= 999.5 && unit + 1 < kUnits.size()) {
         bytes /= 1000.0;
         ++unit;
     }
     std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.1f %s", bytes, units[unit]);
+    std::snprintf(text.data(), text.size(), unit == 0 ? "%.0f %s" : "%.1f %s", bytes, kUnits[unit]);
     return text.data();
 }
 
 std::string duration_text(double seconds) {
-    const auto whole = static_cast<long long>(std::max(0.0, seconds) + 0.5);
+    const auto whole = std::llround(std::max(0.0, seconds));
     std::array<char, 48> text{};
     if (whole >= 3600)
         std::snprintf(text.data(),

@@ -71,11 +71,11 @@ std::optional<Dive> find_dive(client::RestClient& rest,
     for (const auto& [key, value] : {std::pair{"content_sha256", hashes.content_sha256},
                                      std::pair{"archive_sha256", hashes.archive_sha256}}) {
         if (value.empty()) continue;
-        const auto items = backoff.until_done([&] {
+        const auto items = backoff.until_done([&rest, &key = key, &value = value] {
             return rest.list("/api/v1/dives", {{key, value}});
         });
         for (const auto& item : items) {
-            const Dive dive = item.get<Dive>();
+            Dive dive = item.get<Dive>();
             if (dive.state != DiveState::Refused) return dive;
         }
     }
@@ -168,7 +168,7 @@ Job ensure_job(client::RestClient& rest,
         return rest.list("/api/v1/jobs", {{"dive_id", dive.id}, {"kind", "reconstruct"}});
     });
     for (const auto& item : jobs) {
-        const Job job = item.get<Job>();
+        Job job = item.get<Job>();
         const bool usable = !is_finished(job.state) || job.state == JobState::Succeeded;
         if (usable && job.preset == preset.preset && job.options == overrides) return job;
     }

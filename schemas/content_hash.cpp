@@ -74,12 +74,12 @@ std::string Sha256::hex() const {
     const Sha256 copy(*this);  // finishing ends a context
     std::array<unsigned char, 32> digest{};
     check(EVP_DigestFinal_ex(copy.context_.get(), digest.data(), nullptr));
-    constexpr char digits[] = "0123456789abcdef";
+    constexpr char kDigits[] = "0123456789abcdef";
     std::string text;
     text.reserve(2 * digest.size());
     for (const unsigned char byte : digest) {
-        text += digits[byte >> 4];
-        text += digits[byte & 15];
+        text += kDigits[byte >> 4];
+        text += kDigits[byte & 15];
     }
     return text;
 }

@@ -132,19 +132,20 @@ bool Cron::is_day_due(unsigned month, unsigned day, unsigned weekday) const {
 }
 
 std::int64_t Cron::next_after_ms(std::int64_t unix_ms) const {
-    using namespace std::chrono;
-    const sys_time<milliseconds> start{milliseconds((unix_ms / kMinute_ms + 1) * kMinute_ms)};
-    auto day = floor<days>(start);
-    auto minute_of_day = static_cast<unsigned>(floor<minutes>(start - day).count());
-    for (int i = 0; i < kDaysToLookAt; ++i, day += days(1), minute_of_day = 0) {
-        const year_month_day date{day};
+    namespace chrono = std::chrono;
+    const chrono::sys_time<chrono::milliseconds> start{
+        chrono::milliseconds((unix_ms / kMinute_ms + 1) * kMinute_ms)};
+    auto day = chrono::floor<chrono::days>(start);
+    auto minute_of_day = static_cast<unsigned>(chrono::floor<chrono::minutes>(start - day).count());
+    for (int i = 0; i < kDaysToLookAt; ++i, day += chrono::days(1), minute_of_day = 0) {
+        const chrono::year_month_day date{day};
         if (!is_day_due(static_cast<unsigned>(date.month()),
                         static_cast<unsigned>(date.day()),
-                        weekday(day).c_encoding()))
+                        chrono::weekday(day).c_encoding()))
             continue;
         for (unsigned minute = minute_of_day; minute < 24 * 60; ++minute)
             if (hours_[minute / 60] && minutes_[minute % 60])
-                return milliseconds(day.time_since_epoch()).count() +
+                return chrono::milliseconds(day.time_since_epoch()).count() +
                        static_cast<std::int64_t>(minute) * kMinute_ms;
     }
     throw Error(ErrorCode::InvalidArgument, "cron: this day does not exist in any month");

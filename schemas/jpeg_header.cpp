@@ -7,15 +7,14 @@
 namespace divemesh {
 namespace {
 
-enum Marker : unsigned {
-    kStartOfImage = 0xD8,
-    kEndOfImage = 0xD9,
-    kStartOfScan = 0xDA,
-    kBaselineFrame = 0xC0,
-    kProgressiveFrame = 0xC2,
-    kFirstRestart = 0xD0,
-    kTemporary = 0x01,
-};
+// Second bytes of the markers (ITU-T T.81, table B.1).
+constexpr unsigned kStartOfImage = 0xD8;
+constexpr unsigned kEndOfImage = 0xD9;
+constexpr unsigned kStartOfScan = 0xDA;
+constexpr unsigned kBaselineFrame = 0xC0;
+constexpr unsigned kProgressiveFrame = 0xC2;
+constexpr unsigned kFirstRestart = 0xD0;
+constexpr unsigned kTemporary = 0x01;
 
 class Walk {
 public:

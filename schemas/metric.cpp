@@ -142,8 +142,8 @@ Descriptions read_descriptions() {
 }
 
 const Descriptions& descriptions() {
-    static const Descriptions known = read_descriptions();
-    return known;
+    static const Descriptions kKnown = read_descriptions();
+    return kKnown;
 }
 
 // Returns whether `name` matches a pattern with [*].

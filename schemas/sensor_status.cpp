@@ -20,7 +20,7 @@ constexpr EnumText<Summary> kSummaries[] = {
 
 constexpr std::size_t kMaxErrors = 32;
 constexpr std::size_t kMaxErrorBytes = 256;
-constexpr std::int64_t kMaxDive_s = 7 * 86'400;
+constexpr std::int64_t kMaxDive_s = std::int64_t{7} * 86'400;
 
 // The limits from which a team should check the device, and should end the dive.
 struct Limits {
@@ -146,7 +146,8 @@ const json& images_of(const json& status) {
 
 bool has_open_dive(const json& status) {
     const auto dive = status.find("dive");
-    return dive != status.end() && dive->is_string() && *dive != "";
+    return dive != status.end() && dive->is_string() &&
+           !dive->get_ref<const std::string&>().empty();
 }
 
 // Returns the most frequent kind of useless image, and its share.

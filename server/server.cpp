@@ -134,8 +134,8 @@ struct Server::Implementation {
           locks(io.get_executor()),
           acceptor(open_acceptor(io, endpoint)) {
         acceptor.non_blocking(true);
-        catalog.reserve(
-            static_cast<std::size_t>(config.num_io_threads + config.num_blocking_threads));
+        catalog.reserve(static_cast<std::size_t>(config.num_io_threads) +
+                        static_cast<std::size_t>(config.num_blocking_threads));
         endpoint = acceptor.local_endpoint();
     }
 

@@ -35,6 +35,7 @@ struct Worker {
 // hold any lock. The death signal is tied to the thread that forks, so one thread does all of this.
 pid_t spawn(const std::vector<std::string>& command) {
     std::vector<char*> arguments;
+    arguments.reserve(command.size() + 1);
     for (const std::string& text : command) arguments.push_back(const_cast<char*>(text.c_str()));
     arguments.push_back(nullptr);
     const pid_t parent = getpid();

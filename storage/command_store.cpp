@@ -239,10 +239,11 @@ bool has_late_commands(soci::session& session, std::int64_t now_ms) {
 }
 
 void end_late_commands(soci::session& session, std::int64_t now_ms) {
-    for (SensorCommand command : select_all<CommandRow>(
-             session,
-             kSelectCommands + " WHERE " + kIsOpen + " AND expires_at_ms <= :now",
-             soci::use(now_ms, "now"))) {
+    auto late =
+        select_all<CommandRow>(session,
+                               kSelectCommands + " WHERE " + kIsOpen + " AND expires_at_ms <= :now",
+                               soci::use(now_ms, "now"));
+    for (SensorCommand& command : late) {
         command.detail = command.state == CommandState::Sent
                              ? "the sensor received the command and did not report the outcome"
                              : "the sensor did not fetch the command in time";

@@ -130,19 +130,20 @@ bool DiveRemoval::forget(const std::string& id) {
         const Dive dive = read_dive(session, id);
         if (!jobs_of(session, id, "'running'").empty()) return;
         const std::string jobs = "(SELECT id FROM jobs WHERE dive_id = :id)";
-        for (const std::string& statement :
-             {"DELETE FROM artifacts WHERE job_id IN " + jobs,
-              "DELETE FROM attempts WHERE job_id IN " + jobs,
-              std::string("DELETE FROM figures WHERE figure IN (SELECT number FROM figure_names)"
-                          " AND set_number IN"
-                          " (SELECT number FROM figure_sets WHERE dive_id = :id)"),
-              std::string("DELETE FROM figure_sets WHERE dive_id = :id"),
-              std::string("DELETE FROM truth_files WHERE dive_id = :id"),
-              "DELETE FROM job_parents WHERE job_id IN " + jobs + " OR parent_id IN " + jobs,
-              std::string("DELETE FROM jobs WHERE dive_id = :id"),
-              std::string("DELETE FROM uploads WHERE dive_id = :id"),
-              std::string("DELETE FROM dive_tags WHERE dive_id = :id"),
-              std::string("DELETE FROM dives WHERE id = :id")})
+        const std::string statements[] = {
+            "DELETE FROM artifacts WHERE job_id IN " + jobs,
+            "DELETE FROM attempts WHERE job_id IN " + jobs,
+            "DELETE FROM figures WHERE figure IN (SELECT number FROM figure_names)"
+            " AND set_number IN"
+            " (SELECT number FROM figure_sets WHERE dive_id = :id)",
+            "DELETE FROM figure_sets WHERE dive_id = :id",
+            "DELETE FROM truth_files WHERE dive_id = :id",
+            "DELETE FROM job_parents WHERE job_id IN " + jobs + " OR parent_id IN " + jobs,
+            "DELETE FROM jobs WHERE dive_id = :id",
+            "DELETE FROM uploads WHERE dive_id = :id",
+            "DELETE FROM dive_tags WHERE dive_id = :id",
+            "DELETE FROM dives WHERE id = :id"};
+        for (const std::string& statement : statements)
             execute(session, statement, soci::use(id, "id"));
         append_dive_event(session, dive, "dive.removed");
         forgotten = true;

@@ -43,14 +43,14 @@ void bind_upload(soci::session& session, const std::string& upload_id, const std
 }
 
 Dive insert_dive(soci::session& session, const NewDive& request) {
-    const Dive dive{.id = new_id("dive"),
-                    .project = request.project,
-                    .name = request.name,
-                    .archive_sha256 = request.archive_sha256,
-                    .content_sha256 = request.content_sha256,
-                    .archive_bytes = request.archive_bytes,
-                    .blob = request.blob,
-                    .created_at_ms = Catalog::now_ms(session)};
+    Dive dive{.id = new_id("dive"),
+              .project = request.project,
+              .name = request.name,
+              .archive_sha256 = request.archive_sha256,
+              .content_sha256 = request.content_sha256,
+              .archive_bytes = request.archive_bytes,
+              .blob = request.blob,
+              .created_at_ms = Catalog::now_ms(session)};
     execute(session,
             "INSERT INTO dives (id, project, name, archive_sha256, content_sha256, archive_bytes,"
             " blob, created_at_ms)"

@@ -18,7 +18,7 @@ namespace divemesh::storage {
 namespace {
 
 // Limits for what an attempt reports, because its recording may have taken it over.
-constexpr std::size_t kMaxLogBytes = 256 * 1024;
+constexpr std::size_t kMaxLogBytes = std::size_t{256} << 10;
 constexpr std::size_t kMaxStages = 32;
 constexpr std::size_t kMaxFindings = 200;
 constexpr std::size_t kMaxFindingBytes = 4096;  // of each of its texts

@@ -62,14 +62,18 @@ void check_word(const std::string& what, const std::string& text) {
                     "\"" + what + "\" must be a-z 0-9 _ -, beginning with a letter or digit");
 }
 
-void check_scopes(const std::vector<std::string>& scopes) {
-    if (scopes.empty()) throw Error(ErrorCode::InvalidArgument, "a token needs at least one scope");
+std::string known_scopes() {
     std::string known;
     for (const auto scope : kScopes) known += (known.empty() ? "" : ", ") + std::string(scope);
+    return known;
+}
+
+void check_scopes(const std::vector<std::string>& scopes) {
+    if (scopes.empty()) throw Error(ErrorCode::InvalidArgument, "a token needs at least one scope");
     for (const std::string& scope : scopes)
         if (std::find(kScopes.begin(), kScopes.end(), scope) == kScopes.end())
             throw Error(ErrorCode::InvalidArgument,
-                        "unknown scope: " + scope + " (known: " + known + ")");
+                        "unknown scope: " + scope + " (known: " + known_scopes() + ")");
 }
 
 void check(const NewToken& wanted) {

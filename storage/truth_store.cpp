@@ -99,15 +99,15 @@ TruthFile tried_anew(soci::session& session, TruthFile file) {
 }
 
 TruthFile insert_truth(soci::session& session, const NewTruth& request) {
-    const TruthFile file{.id = new_id("truth"),
-                         .project = request.project,
-                         .dive_id = request.dive_id,
-                         .kind = request.kind,
-                         .name = request.name,
-                         .sha256 = request.sha256,
-                         .size_bytes = request.size_bytes,
-                         .blob = request.blob,
-                         .created_at_ms = Catalog::now_ms(session)};
+    TruthFile file{.id = new_id("truth"),
+                   .project = request.project,
+                   .dive_id = request.dive_id,
+                   .kind = request.kind,
+                   .name = request.name,
+                   .sha256 = request.sha256,
+                   .size_bytes = request.size_bytes,
+                   .blob = request.blob,
+                   .created_at_ms = Catalog::now_ms(session)};
     const std::string kind(to_string(file.kind));
     execute(session,
             "INSERT INTO truth_files (id, project, dive_id, kind, name, sha256, size_bytes, blob,"

@@ -58,7 +58,7 @@ std::string random_key() {
 }  // namespace
 
 std::string percent_encode(std::string_view text) {
-    constexpr char digits[] = "0123456789ABCDEF";
+    constexpr char kDigits[] = "0123456789ABCDEF";
     std::string result;
     for (const char c : text) {
         const auto byte = static_cast<unsigned char>(c);
@@ -66,8 +66,8 @@ std::string percent_encode(std::string_view text) {
             result += c;
         } else {
             result += '%';
-            result += digits[byte >> 4];
-            result += digits[byte & 15];
+            result += kDigits[byte >> 4];
+            result += kDigits[byte & 15];
         }
     }
     return result;

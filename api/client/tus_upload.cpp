@@ -11,7 +11,7 @@ namespace divemesh::api::client {
 namespace {
 
 std::string base64(std::string_view bytes) {
-    constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     std::string text;
     for (std::size_t i = 0; i < bytes.size(); i += 3) {
         const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
@@ -19,7 +19,7 @@ std::string base64(std::string_view bytes) {
         for (std::size_t j = 0; j < 3; ++j)
             group = group << 8 | (j < count ? static_cast<unsigned char>(bytes[i + j]) : 0U);
         for (std::size_t j = 0; j < 4; ++j)
-            text += j <= count ? letters[group >> (18 - 6 * j) & 63] : '=';
+            text += j <= count ? kLetters[group >> (18 - 6 * j) & 63] : '=';
     }
     return text;
 }
@@ -135,7 +135,7 @@ private:
     }
 
     TransferObserver observer_of(std::size_t part,
-                                 std::function<void(const std::string&)> set_path) {
+                                 const std::function<void(const std::string&)>& set_path) {
         TransferObserver result;
         result.on_path = [this, set_path](const std::string& path) {
             const std::lock_guard lock(telling_);

@@ -21,7 +21,7 @@ Awaitable<Response> delete_dive(Request request, Services services) {
         if (purge) require_scope(request.token, "admin");
         auto catalog = audited(services, request);
         const auto keep = purge ? std::chrono::milliseconds(0) : services.limits.keep_deleted;
-        const Dive dive = storage::DiveRemoval(catalog).remove(seen.id, keep, unchanged);
+        Dive dive = storage::DiveRemoval(catalog).remove(seen.id, keep, unchanged);
         if (purge) remove_expired_dives(services);
         return dive;
     };

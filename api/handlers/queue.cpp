@@ -22,7 +22,7 @@ constexpr std::size_t kMaxProjectBytes = 63;
 std::string project_of(const Request& request, const std::string& wanted) {
     if (wanted.size() > kMaxProjectBytes)
         throw Error(ErrorCode::InvalidArgument, "\"project\" is longer than 63 bytes");
-    const std::string visible = visible_project(request.token);
+    std::string visible = visible_project(request.token);
     if (visible.empty()) return wanted;
     require_visible(request.token, wanted.empty() ? visible : wanted, "project " + wanted);
     return visible;
@@ -105,7 +105,7 @@ Awaitable<Response> get_worker(Request request, Services services) {
 
 Awaitable<Response> change_worker(Request request, Services services) {
     auto work = [services, request] {
-        const std::string name = request.parameter("worker_name");
+        const std::string& name = request.parameter("worker_name");
         auto catalog = audited_if_match(services, request, [&all = services.catalog, name] {
             return storage::WorkerStore(all).get(name);
         });

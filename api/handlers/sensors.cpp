@@ -21,7 +21,7 @@ constexpr std::size_t kMaxHistoryFields = 16;
 constexpr std::int64_t kLatest_ms = std::int64_t{1} << 52;
 
 std::vector<std::string> fields_of(const Request& request) {
-    const std::vector<std::string> fields = split_list(query_value(request, "fields"));
+    std::vector<std::string> fields = split_list(query_value(request, "fields"));
     std::vector<Fault> faults;
     for (const std::string& field : fields)
         if (find_status_field(field) == nullptr)

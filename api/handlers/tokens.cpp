@@ -25,7 +25,7 @@ storage::NewToken token_request(const Request& request) {
 // headers, i.e. downloads and event streams.
 std::string one_shot_path(const Request& request) {
     const auto body = json_body(request, {"path"});
-    const auto path = value_or<std::string>(body, "path", "");
+    auto path = value_or<std::string>(body, "path", "");
     const Route* route = path.starts_with('/') ? find_route(verb::get, path).route : nullptr;
     if (route == nullptr || (route->kind != RouteKind::File && route->kind != RouteKind::WebSocket))
         throw Error(ErrorCode::InvalidArgument,

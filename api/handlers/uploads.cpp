@@ -194,8 +194,7 @@ Awaitable<Response> create_final(Request request, Services services, Upload want
     auto stop = [stopped] { *stopped = true; };
     auto lock = co_await services.locks.take(upload.id, std::move(stop));
     auto fresh = [services, upload] {
-        const Upload whole =
-            reconciled(services, storage::UploadStore(services.catalog).get(upload.id));
+        Upload whole = reconciled(services, storage::UploadStore(services.catalog).get(upload.id));
         if (whole.complete()) free_parts(services, whole);  // left by a killed server
         return whole;
     };

@@ -91,6 +91,7 @@ void ReportQueue::commit_all() {
 
 void ReportQueue::commit(std::vector<Waiting> group) {
     std::vector<storage::IncomingReport> reports;
+    reports.reserve(group.size());
     for (Waiting& waiting : group) reports.push_back(std::move(waiting.report));
     std::vector<storage::ReportOutcome> outcomes;
     std::exception_ptr failure;

@@ -114,7 +114,7 @@ Awaitable<Upload> concatenate(Services services,
         more = co_await in_pool(services.pool, std::move(copy));
     }
     auto finish = [services, concatenation] {
-        const Upload whole = concatenation->finish();
+        Upload whole = concatenation->finish();
         free_parts(services, whole);
         return whole;
     };

@@ -12,7 +12,6 @@
 namespace divemesh::api {
 namespace {
 
-using namespace boost::asio::experimental::awaitable_operators;
 using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kChunkBytes = std::size_t{128} << 10;  // two of them per request
@@ -73,6 +72,7 @@ std::optional<Ending> ending_of(BodyRead::State state) {
 Awaitable<Ending> stream_into(std::shared_ptr<ByteSink> sink,
                               std::shared_ptr<BodyStream> stream,
                               Services services) {
+    using boost::asio::experimental::awaitable_operators::operator&&;
     std::vector<char> reading(kChunkBytes);
     std::vector<char> writing(kChunkBytes);
     RateGuard rate(services.limits);

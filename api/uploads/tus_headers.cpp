@@ -30,7 +30,7 @@ std::optional<std::int64_t> announced_length(const Request& request, std::int64_
 }
 
 std::string announced_concat(const Request& request) {
-    const std::string concat = request.header("upload-concat");
+    std::string concat = request.header("upload-concat");
     if (request.has_header("upload-concat") && concat != "partial" && !concat.starts_with("final;"))
         refuse("Upload-Concat must be partial, or final; followed by the addresses of the parts");
     return concat;

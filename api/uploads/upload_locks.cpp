@@ -27,6 +27,7 @@ struct UploadLocks::Holder {
     std::vector<std::shared_ptr<asio::steady_timer>> waiting;  // woken when the lock is released
 };
 
+// Posting throws only without an executor. NOLINTNEXTLINE(bugprone-exception-escape)
 UploadLocks::Lock::~Lock() {
     if (!holder_) return;
     const auto state = holder_->state.lock();

@@ -23,7 +23,7 @@ public:
     class Lock {
     public:
         explicit Lock(std::shared_ptr<Holder> holder) : holder_(std::move(holder)) {}
-        ~Lock();
+        ~Lock();  // NOLINT(bugprone-exception-escape): throws only without an executor
         Lock(Lock&&) noexcept = default;
         Lock& operator=(Lock&&) = delete;
 

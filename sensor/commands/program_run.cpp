@@ -13,6 +13,7 @@ namespace divemesh::sensor {
 ProgramRun::ProgramRun(const std::vector<std::string>& command, std::chrono::milliseconds time)
     : until_(Clock::now() + time) {
     std::vector<char*> words;
+    words.reserve(command.size() + 1);
     for (const std::string& word : command) words.push_back(const_cast<char*>(word.c_str()));
     words.push_back(nullptr);
     posix_spawnattr_t attributes;

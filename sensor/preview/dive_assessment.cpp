@@ -25,12 +25,12 @@ cv::Mat grey_of(const cv::Mat& image) {
 }
 
 double coverage(const std::vector<cv::Point2d>& points, cv::Size size) {
-    std::vector<bool> cells(kGridColumns * kGridRows, false);
+    std::vector<bool> cells(std::size_t{kGridColumns} * kGridRows, false);
     for (const cv::Point2d& point : points) {
         const int u = static_cast<int>(point.x * kGridColumns / size.width);
         const int v = static_cast<int>(point.y * kGridRows / size.height);
         if (u >= 0 && v >= 0 && u < kGridColumns && v < kGridRows)
-            cells[static_cast<std::size_t>(v * kGridColumns + u)] = true;
+            cells[static_cast<std::size_t>(v) * kGridColumns + u] = true;
     }
     return static_cast<double>(std::count(cells.begin(), cells.end(), true)) /
            static_cast<double>(cells.size());

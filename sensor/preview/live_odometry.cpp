@@ -83,7 +83,7 @@ odometry::PointPairs LiveOdometry::follow(const types::StereoFrame& before,
     features_ = tracker_.track(frame.left, features, guess);
     features::match_sparse_stereo(frame, {}, kNumDisparities_px, features_);
     image_ = frame.left;
-    const odometry::PointPairs pairs = odometry::with_depth_at_both_times(rig, features, features_);
+    odometry::PointPairs pairs = odometry::with_depth_at_both_times(rig, features, features_);
     show(pairs);
     return pairs;
 }

@@ -48,6 +48,7 @@ std::vector<fs::path> dives_in(const fs::path& folder, std::error_code& failure)
         if (const auto at = last_row_at(entry->path())) found.emplace_back(*at, entry->path());
     std::sort(found.begin(), found.end());
     std::vector<fs::path> dives;
+    dives.reserve(found.size());
     for (auto& [at, dive] : found) dives.push_back(std::move(dive));
     return dives;
 }

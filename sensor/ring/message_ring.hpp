@@ -28,6 +28,7 @@ public:
     struct Key {
         int boot = 0;
         std::int64_t sequence = 0;
+        // NOLINTNEXTLINE(modernize-use-nullptr): a false positive of clang-tidy 14
         auto operator<=>(const Key&) const = default;
     };
     enum class Pile { Texts, Previews };

@@ -17,7 +17,8 @@ bool add_rules(scmp_filter_ctx filter) {
     for (const int call : {SCMP_SYS(fork), SCMP_SYS(vfork), SCMP_SYS(execve), SCMP_SYS(execveat)})
         if (seccomp_rule_add(filter, kRefuse, call, 0) != 0) return false;
     // Leak checkers stop the process from a clone that shares memory and is not a thread.
-    const scmp_arg_cmp shares_no_memory = SCMP_A0(SCMP_CMP_MASKED_EQ, CLONE_VM, 0);
+    const scmp_arg_cmp shares_no_memory = {
+        .arg = 0, .op = SCMP_CMP_MASKED_EQ, .datum_a = CLONE_VM, .datum_b = 0};
     return seccomp_rule_add_array(filter, kRefuse, SCMP_SYS(clone), 1, &shares_no_memory) == 0 &&
            // clone3's flags are in memory, which a filter cannot read. The C library falls back to
            // clone.

@@ -21,7 +21,7 @@ LensChanges joined(const std::array<types::LensChange, 2>& lenses) {
 
 LensChanges lens_prior_sigmas(const types::Rig& rig) {
     LensChanges sigmas;
-    for (int side = 0; side < 2; ++side) {
+    for (Eigen::Index side = 0; side < 2; ++side) {
         const types::Camera& camera = side == 0 ? rig.cam0 : rig.cam1;
         const auto& k = camera.distortion_coefficients;
         const double centre_px = kCentreSigma * camera.width_px;

@@ -120,7 +120,7 @@ LensCovariance without_refinement(const types::Rig& rig,
                                   const types::RigAlignment& alignment) {
     LensChanges sigmas = lens_prior_sigmas(rig);
     for (const int coefficient : {3, 4, 8, 9}) sigmas[coefficient] *= kTypicalDistortion;
-    const LensCovariance prior = sigmas.cwiseAbs2().asDiagonal();
+    LensCovariance prior = sigmas.cwiseAbs2().asDiagonal();
     if (alignment.disparity_bias_sigma_px <= 0.0 || !is_aligned(alignment)) return prior;
     const double left_px =
         alignment.applied && alignment.moves_disparities() ? 0.0 : alignment.disparity_bias_px;

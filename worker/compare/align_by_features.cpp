@@ -60,8 +60,9 @@ Described describe(const types::Mesh& mesh) {
     cv::SIFT::create(kMaxFeatures, 3, 0.02)
         ->detectAndCompute(grey_of(mesh, raster), mask, keypoints, result.descriptors);
     for (const cv::KeyPoint& keypoint : keypoints) {
-        const int row = std::clamp(static_cast<int>(keypoint.pt.y + 0.5F), 0, mask.rows - 1);
-        const int column = std::clamp(static_cast<int>(keypoint.pt.x + 0.5F), 0, mask.cols - 1);
+        const int row = std::clamp(static_cast<int>(std::lround(keypoint.pt.y)), 0, mask.rows - 1);
+        const int column =
+            std::clamp(static_cast<int>(std::lround(keypoint.pt.x)), 0, mask.cols - 1);
         const Eigen::Vector2d at = grid.center(row, column);
         result.points.emplace_back(
             at.x(), at.y(), static_cast<double>(raster.height_m.at<float>(row, column)));

@@ -37,7 +37,7 @@ reef::AreaSet read_in_world(const std::filesystem::path& file) {
 
 // Returns a mask (CV_8U) of the ground whose surface both dives know.
 cv::Mat compared_ground(const ChangeMap& map) {
-    return (map.change_m == map.change_m) & (map.state != static_cast<int>(CellState::Hidden));
+    return cells_with_value(map.change_m) & (map.state != static_cast<int>(CellState::Hidden));
 }
 
 // Returns the part of the ground in quadrats without a label; all of it if there are none.

@@ -26,7 +26,7 @@ double exceeded_with(double probability) {
 }
 
 double compared_m2(const ChangeMap& map) {
-    return cv::countNonZero(map.change_m == map.change_m) * map.grid.cell_m * map.grid.cell_m;
+    return cv::countNonZero(cells_with_value(map.change_m)) * map.grid.cell_m * map.grid.cell_m;
 }
 
 // Returns a mask (CV_8U) of cells whose change is larger than that of any ground by chance.
@@ -173,7 +173,7 @@ private:
     }
 
     void measure_rest() {
-        const cv::Mat counts = (map_.change_m == map_.change_m) & (changes_.number == 0) &
+        const cv::Mat counts = cells_with_value(map_.change_m) & (changes_.number == 0) &
                                ~cells_in(map_, CellState::Hidden);
         changes_.noise = measure_noise(map_, counts);
         const Undetected missed = undetected(map_, counts, changes_.noise);
@@ -219,7 +219,7 @@ private:
         locate(found, patch);
         cv::Mat about;
         cv::dilate(found.support, about, disc(2.0));
-        const cv::Mat not_both = window.change_m != window.change_m;
+        const cv::Mat not_both = ~cells_with_value(window.change_m);
         const cv::Mat hidden = cells_in(window, CellState::Hidden);
         patch.hidden_m2 =
             cv::countNonZero(about & (not_both | hidden)) * map_.grid.cell_m * map_.grid.cell_m;

@@ -20,7 +20,7 @@ cv::Mat disc(double diameter_cells) {
 
 // Returns max - min within the element; 0 where no cell was seen.
 cv::Mat range_of(const cv::Mat& height_m, const cv::Mat& element) {
-    const cv::Mat unseen = height_m != height_m;
+    const cv::Mat unseen = ~cells_with_value(height_m);
     cv::Mat high = height_m.clone();
     cv::Mat low = height_m.clone();
     high.setTo(cv::Scalar::all(std::numeric_limits<float>::lowest()), unseen);
@@ -41,7 +41,7 @@ cv::Mat classes_of(const ChangeMap& map,
     const cv::Mat element = disc(scale_cells);
     const cv::Mat range = cv::max(range_of(a.height_m, element), range_of(b.height_m, element));
     cv::Mat edge;
-    cv::dilate(map.change_m != map.change_m, edge, disc(2.0 * scale_cells));
+    cv::dilate(~cells_with_value(map.change_m), edge, disc(2.0 * scale_cells));
     cv::Mat classes = cv::Mat::zeros(range.size(), CV_8U);
     for (std::size_t i = 1; i < kRanges_m.size(); ++i)
         classes.setTo(cv::Scalar::all(static_cast<double>(i)), range >= kRanges_m[i]);

@@ -37,6 +37,7 @@ std::vector<Candidate> candidates(const std::vector<Colony>& before,
                                   const std::vector<Colony>& after) {
     const auto boxes_of = [](const std::vector<Colony>& colonies) {
         std::vector<Eigen::AlignedBox2d> boxes;
+        boxes.reserve(colonies.size());
         for (const Colony& colony : colonies) boxes.push_back(box_of(colony.outline));
         return boxes;
     };

@@ -179,16 +179,13 @@ Pair read(const CompareRequest& request) {
 
 void write_results(const std::filesystem::path& folder,
                    const Pair& pair,
-                   const std::vector<M3c2Distance>& distances,
                    const ChangeMap& map,
                    const Changes& changes,
                    const std::vector<ComparedOutline>& outlines,
                    const nlohmann::json& document) {
-    std::filesystem::create_directories(folder);
     const double full_m = full_change_m(map);
     const cv::Mat difference = draw_changes(pair.b, map, changes, outlines, full_m);
     write_difference(folder, difference, map, !outlines.empty(), full_m);
-    write_changed_mesh(folder / "changed_mesh.ply", pair.b, distances, full_m);
     base::write_file(folder / "report.html",
                      compare_report({document,
                                      draw_surface(pair.a, map.grid),
@@ -267,9 +264,11 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
                                                 changes,
                                                 views_a && views_b});
     if (areas) document["areas"] = area_changes(*areas, map, changes, request.seed);
+    std::filesystem::create_directories(request.out);
+    write_changed_mesh(
+        request.out / "changed_mesh.ply", pair.b, distances.of_b, full_change_m(map));
     write_results(request.out,
                   pair,
-                  distances.of_b,
                   map,
                   changes,
                   areas ? outlines_of(*areas) : std::vector<ComparedOutline>(),

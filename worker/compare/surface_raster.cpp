@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <opencv2/core.hpp>
 
 #include "worker/mesh/triangle_pixels.hpp"
 
@@ -24,6 +25,12 @@ void draw(const mesh::PixelTriangle& corners, int index, SurfaceRaster& raster) 
 }
 
 }  // namespace
+
+cv::Mat cells_with_value(const cv::Mat& values) {
+    cv::Mat mask;
+    cv::compare(values, values, mask, cv::CMP_EQ);
+    return mask;
+}
 
 RasterGrid grid_over(const types::Mesh& a,
                      const types::Mesh& b,

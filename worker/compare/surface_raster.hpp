@@ -20,6 +20,9 @@ struct RasterGrid {
     }
 };
 
+// Returns a mask (CV_8U) of the cells whose value (CV_32F) is not NaN.
+cv::Mat cells_with_value(const cv::Mat& values);
+
 // The highest surface of a mesh over each cell's centre.
 struct SurfaceRaster {
     cv::Mat height_m;  // CV_32F, z; NaN without a surface

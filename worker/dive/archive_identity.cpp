@@ -7,8 +7,8 @@ namespace divemesh::dive {
 
 std::string archive_content_sha256(const std::filesystem::path& archive,
                                    const base::ProgressCallback& progress) {
-    constexpr auto nowhere = "";  // hashes are made while unpacking, so no file has to be kept
-    const DiveFiles files(open_archive(archive, nowhere, DiveLimits{}, progress));
+    constexpr auto kNowhere = "";  // hashes are made while unpacking, so no file has to be kept
+    const DiveFiles files(open_archive(archive, kNowhere, DiveLimits{}, progress));
     return files.content_sha256(base::ignore_progress);
 }
 

@@ -69,13 +69,13 @@ std::optional<std::string> DiveFiles::read(std::string_view path, std::int64_t m
 }
 
 std::vector<std::string> DiveFiles::sensors() const {
-    constexpr std::string_view root = "mav0/";
+    constexpr std::string_view kRoot = "mav0/";
     std::vector<std::string> names;
     for (const Entry& entry : entries_) {
         const std::string_view path = entry.path;
-        const std::size_t slash = path.find('/', root.size());
-        if (!path.starts_with(root) || slash == std::string_view::npos) continue;
-        const std::string_view name = path.substr(root.size(), slash - root.size());
+        const std::size_t slash = path.find('/', kRoot.size());
+        if (!path.starts_with(kRoot) || slash == std::string_view::npos) continue;
+        const std::string_view name = path.substr(kRoot.size(), slash - kRoot.size());
         if (names.empty() || names.back() != name) names.emplace_back(name);
     }
     return names;

@@ -43,14 +43,14 @@ std::string part_problem(std::string_view part) {
 }  // namespace
 
 std::string printable(std::string_view text) {
-    constexpr char digits[] = "0123456789abcdef";
+    constexpr char kDigits[] = "0123456789abcdef";
     std::string result;
     while (!text.empty()) {
         if (result.size() >= kMaxPrintedBytes) return result + "...";
         const std::size_t length = utf8_length(text);
         const auto byte = static_cast<unsigned char>(text.front());
         if (length == 0 || is_control(byte)) {
-            result += {'\\', 'x', digits[byte >> 4], digits[byte & 15]};
+            result += {'\\', 'x', kDigits[byte >> 4], kDigits[byte & 15]};
             text.remove_prefix(1);
         } else {
             result += text.substr(0, length);

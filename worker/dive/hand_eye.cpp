@@ -24,16 +24,19 @@ double spread(const std::vector<Eigen::Vector3d>& vectors) {
     Eigen::Vector3d centre;
     for (int axis = 0; axis < 3; ++axis) {
         std::vector<double> values;
+        values.reserve(vectors.size());
         for (const auto& v : vectors) values.push_back(v[axis]);
         centre[axis] = stats::upper_median(std::move(values));
     }
     std::vector<double> distances;
+    distances.reserve(vectors.size());
     for (const auto& v : vectors) distances.push_back((v - centre).norm());
     return stats::upper_median(std::move(distances));
 }
 
 double residual(const std::vector<RotationPair>& pairs, const Eigen::Matrix3d& R_imu_cam0) {
     std::vector<Eigen::Vector3d> differences;
+    differences.reserve(pairs.size());
     for (const RotationPair& pair : pairs)
         differences.push_back(pair.vision_cam0 - R_imu_cam0.transpose() * pair.gyro_imu);
     return spread(differences);

@@ -76,6 +76,7 @@ std::vector<cv::Rect> lit_cells(const cv::Mat& image) {
 template <typename Get>
 double median_of_cells(const cv::Mat& image, const std::vector<cv::Rect>& cells, const Get& get) {
     std::vector<double> values;
+    values.reserve(cells.size());
     for (const cv::Rect& cell : cells) values.push_back(get(image(cell)));
     return stats::upper_median(std::move(values));
 }
@@ -130,7 +131,8 @@ double mosaic_contrast(const cv::Mat& image) {
         }
     if (diagonal.size() < kMinBlocks) return 0.0;
     // Two pixels of a cell against the other two, of 64 cells in a block.
-    const double scale = 2.0 * (kMosaicBlock_px / 2) * (kMosaicBlock_px / 2) * mean;
+    constexpr int kHalf_px = kMosaicBlock_px / 2;
+    const double scale = 2.0 * kHalf_px * kHalf_px * mean;
     double contrast = 0.0;
     for (std::vector<double>* values : {&diagonal, &by_row, &by_column})
         contrast = std::max(contrast, std::abs(stats::median(std::move(*values))) / scale);

@@ -6,21 +6,25 @@
 namespace divemesh::dive {
 namespace {
 
+struct InertialSensor {
+    std::string name;
+    std::string unit;
+};
+
 void report(const imu::ClippedReadings& clipped,
             std::size_t num_rows,
             const std::string& file,
-            const std::string& sensor,
-            const std::string& unit,
+            const InertialSensor& sensor,
             const std::string& consequence,
             FindingLog& findings) {
     if (clipped.rows.empty()) return;
     findings.warning("imu_clipped",
                      file,
-                     "the " + sensor + " stops at " + base::significant(clipped.limit) + " " +
-                         unit + " in " + std::to_string(clipped.rows.size()) + " of " +
+                     "the " + sensor.name + " stops at " + base::significant(clipped.limit) + " " +
+                         sensor.unit + " in " + std::to_string(clipped.rows.size()) + " of " +
                          std::to_string(num_rows) +
                          " rows: the motion exceeds the range that it is set to; " + consequence,
-                     "Set the " + sensor + " to a larger range.");
+                     "Set the " + sensor.name + " to a larger range.");
 }
 
 }  // namespace
@@ -32,12 +36,11 @@ void leave_out_clipped_readings(std::vector<types::ImuSample>& samples,
     const imu::ClippedReadings rates = imu::clipped_rates(samples);
     const imu::ClippedReadings forces = imu::clipped_forces(samples);
     const bool forces_are_spoilt = forces.spoil(num_rows);
-    report(rates, num_rows, file, "gyroscope", "rad/s", "these rows are left out", findings);
+    report(rates, num_rows, file, {"gyroscope", "rad/s"}, "these rows are left out", findings);
     report(forces,
            num_rows,
            file,
-           "accelerometer",
-           "m/s^2",
+           {"accelerometer", "m/s^2"},
            forces_are_spoilt ? "it is not used" : "these rows are left out",
            findings);
     std::vector<bool> is_clipped(num_rows, false);

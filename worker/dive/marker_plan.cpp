@@ -161,7 +161,7 @@ private:
         if (found == item.end()) return otherwise;
         const auto is_control = [](char c) { return static_cast<unsigned char>(c) < 0x20; };
         if (found->is_string()) {
-            const auto name = found->get<std::string>();
+            auto name = found->get<std::string>();
             if (!name.empty() && name.size() <= kMaxNameLength &&
                 std::none_of(name.begin(), name.end(), is_control))
                 return name;

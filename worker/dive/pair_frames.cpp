@@ -63,6 +63,7 @@ Line fit_line(const std::vector<std::pair<double, double>>& points, bool is_leve
                                  (points[j].first - points[i].first));
     if (!is_level) line.slope = stats::median(std::move(slopes));
     std::vector<double> intercepts;
+    intercepts.reserve(points.size());
     for (const auto& [x, y] : points) intercepts.push_back(y - line.slope * x);
     line.at_zero = stats::median(intercepts);
     for (double& value : intercepts) value = std::abs(value - line.at_zero);

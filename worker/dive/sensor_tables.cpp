@@ -101,9 +101,9 @@ void check_acceleration(double median_m_s2, const std::string& file, FindingLog&
         double gravity;
         const char* name;
     };
-    constexpr Unit units[] = {{1.0, "g"}, {980.7, "cm/s^2"}, {9806.7, "mm/s^2 or mg"}};
+    constexpr Unit kUnits[] = {{1.0, "g"}, {980.7, "cm/s^2"}, {9806.7, "mm/s^2 or mg"}};
     const std::string seen = "the median acceleration is " + base::significant(median_m_s2);
-    for (const Unit& unit : units)
+    for (const Unit& unit : kUnits)
         if (std::abs(median_m_s2 / unit.gravity - 1.0) < 0.2)
             return findings.error(
                 "imu_units",

@@ -47,6 +47,7 @@ double tukey_weight(double residual, double scale) {
 Model fit(const std::vector<EpipolarSample>& samples) {
     Model model = Model::Zero();
     std::vector<double> errors;
+    errors.reserve(samples.size());
     for (const EpipolarSample& s : samples) errors.push_back(s.error_px);
     model[1] = stats::upper_median(std::move(errors));
     for (int i = 0; i < kIterations; ++i) {

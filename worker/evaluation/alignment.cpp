@@ -91,6 +91,7 @@ std::vector<Eigen::Vector3d> scaled_about_centre(const std::vector<PosePair>& pa
                                                  const Alignment& alignment) {
     const Centres centres = centres_of(pairs);
     std::vector<Eigen::Vector3d> positions;
+    positions.reserve(pairs.size());
     for (const PosePair& pair : pairs)
         positions.emplace_back(alignment.sim3_scale *
                                    (alignment.T_reference_world.linear() *

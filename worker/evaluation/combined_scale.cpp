@@ -13,6 +13,7 @@ double information(const ScaleCheck& check) { return 1.0 / (check.sigma * check.
 
 ScaleCheck mean_of(const std::vector<ScaleSource>& sources) {
     std::vector<ScaleCheck> checks;
+    checks.reserve(sources.size());
     for (const ScaleSource& source : sources) checks.push_back(source.check);
     return weighted_mean(checks);
 }
@@ -42,7 +43,7 @@ CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_si
 std::optional<CombinedScale> scale_correction(const std::vector<ScaleSource>& sources,
                                               double cameras_sigma) {
     if (sources.empty() || cameras_sigma <= 0.0) return std::nullopt;
-    const CombinedScale scale = combined_scale(sources, cameras_sigma);
+    CombinedScale scale = combined_scale(sources, cameras_sigma);
     if (!scale.differs && !scale.is_better) return std::nullopt;
     if (std::abs(scale.factor - 1.0) > kMaxCorrection) return std::nullopt;
     return scale;

@@ -22,8 +22,8 @@ constexpr double kWeight = 32768.0;
 using Outer = std::array<std::int16_t, kOuterPixels>;
 
 const PatchKernels& kernels() {
-    static const PatchKernels chosen = patch_kernels(base::best_instructions());
-    return chosen;
+    static const PatchKernels kChosen = patch_kernels(base::best_instructions());
+    return kChosen;
 }
 
 double bilinear(const cv::Mat& image, double x, double y) {

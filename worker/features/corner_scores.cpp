@@ -73,8 +73,8 @@ const cv::Mat& CornerScores::of(const cv::Mat& image) {
     const auto add = base::compiled_for<add_row>(instructions_);
     const auto score = base::compiled_for<score_row>(instructions_);
     const auto width = static_cast<std::size_t>(image.cols);
-    products_.assign((kBlock_px + 1) * 3 * width, 0);
-    const Products sums(products_.data() + kBlock_px * 3 * width, width);
+    products_.assign(3 * width * (kBlock_px + 1), 0);
+    const Products sums(products_.data() + 3 * width * kBlock_px, width);
     scores_.create(image.size(), CV_32F);
     scores_ = 0.0F;
     for (int v = 1; v < image.rows - 1; ++v) {

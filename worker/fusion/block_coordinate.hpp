@@ -18,6 +18,7 @@ struct BlockCoordinate {
     std::int32_t y = 0;
     std::int32_t z = 0;
 
+    // NOLINTNEXTLINE(modernize-use-nullptr): a false positive of clang-tidy 14
     auto operator<=>(const BlockCoordinate&) const = default;
     BlockCoordinate operator+(const BlockCoordinate& other) const {
         return {x + other.x, y + other.y, z + other.z};

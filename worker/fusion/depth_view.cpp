@@ -207,7 +207,7 @@ struct DepthImage {
 void halve_row(const DepthImage& from, int row, DepthImage& to) {
     const auto* above = from.disparity.ptr<float>(2 * row);
     const auto* below = from.disparity.ptr<float>(2 * row + 1);
-    const auto mean_of = [&](const cv::Mat& values, int x) {
+    const auto mean_of = [&](const cv::Mat& values, std::ptrdiff_t x) {
         const auto* first = values.ptr<float>(2 * row) + 2 * x;
         const auto* second = values.ptr<float>(2 * row + 1) + 2 * x;
         return 0.25F * ((first[0] + first[1]) + (second[0] + second[1]));
@@ -215,7 +215,7 @@ void halve_row(const DepthImage& from, int row, DepthImage& to) {
     auto* disparity = to.disparity.ptr<float>(row);
     auto* sigma = to.sigma.ptr<float>(row);
     auto* rim = to.rim.ptr<float>(row);
-    for (int x = 0; x < to.disparity.cols; ++x) {
+    for (std::ptrdiff_t x = 0; x < to.disparity.cols; ++x) {
         const float min_disparity = std::min(std::min(above[2 * x], above[2 * x + 1]),
                                              std::min(below[2 * x], below[2 * x + 1]));
         disparity[x] = min_disparity > 0.0F ? 0.5F * mean_of(from.disparity, x) : 0.0F;

@@ -30,8 +30,9 @@ float truncation_m(const TsdfView& view, float sigma) {
 }
 
 int rounded(float x) {
-    const auto whole = static_cast<int>(x + 0.5F);
-    return whole - static_cast<int>(x + 0.5F < static_cast<float>(whole));
+    const float shifted = x + 0.5F;
+    const auto whole = static_cast<int>(shifted);
+    return whole - static_cast<int>(shifted < static_cast<float>(whole));
 }
 
 // Prefetches the whole block: its samples are in four arrays, each too short for the processor's

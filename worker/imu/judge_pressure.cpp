@@ -112,6 +112,7 @@ double rms_error_m(std::size_t num, const std::vector<Change>& changes) {
 // Returns the share of the readings that stay at the highest or the lowest.
 double held_share(const std::vector<types::PressureSample>& pressure) {
     std::vector<double> depths;
+    depths.reserve(pressure.size());
     for (const types::PressureSample& sample : pressure) depths.push_back(sample.depth_m);
     const auto [least, most] = std::minmax_element(depths.begin(), depths.end());
     const double step = kHeldStep * (*most - *least);

@@ -51,6 +51,7 @@ std::vector<types::TimeInterval> wrong_times(const std::vector<Difference>& diff
                                              double least) {
     if (differences.empty()) return {};
     std::vector<double> sizes;
+    sizes.reserve(differences.size());
     for (const Difference& at : differences)
         sizes.push_back((at.value - usual_around(differences, at)).norm());
     const double limit = std::max(least, kFar * stats::median(sizes));

@@ -12,6 +12,7 @@ constexpr std::size_t kMaxImages = 16;
 
 double median_depth_m(const std::vector<KnownPoint>& points) {
     std::vector<double> depths_m;
+    depths_m.reserve(points.size());
     for (const KnownPoint& point : points) depths_m.push_back(point.p_cam.z());
     return stats::upper_median(std::move(depths_m));
 }
@@ -96,6 +97,7 @@ std::vector<Reobservation> LoopVerifier::reobservations(const types::Features& f
                                                         std::size_t of,
                                                         std::size_t in) const {
     std::vector<Reobservation> result;
+    result.reserve(found.size());
     for (const types::Feature& feature : found)
         result.push_back({seen_[of][static_cast<std::size_t>(feature.id)].landmark,
                           {static_cast<std::int32_t>(in),

@@ -26,6 +26,7 @@ types::SolverOutcome optimise_pose_graph(const std::vector<Loop>& loops,
                                          std::vector<types::Keyframe>& keyframes,
                                          std::vector<types::Landmark>& landmarks) {
     std::vector<Pose> poses;
+    poses.reserve(keyframes.size());
     for (const types::Keyframe& keyframe : keyframes)
         poses.push_back({Eigen::Quaterniond(keyframe.T_world_cam.linear()).normalized(),
                          keyframe.T_world_cam.translation()});

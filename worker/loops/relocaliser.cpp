@@ -87,6 +87,7 @@ std::optional<Relocaliser::Recognised> Relocaliser::recognise_from(
         return keyframe.missed.contains(feature.id) && !keyframe.confirmed.contains(feature.id);
     });
     std::vector<KnownPoint> points;
+    points.reserve(features.size());
     for (const types::Feature& feature : features)
         points.push_back({feature.pixel, types::point_cam(rig_, feature)});
     const auto found = search_by_projection(

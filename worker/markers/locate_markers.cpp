@@ -63,6 +63,7 @@ std::optional<Corners> settle(std::vector<CornerView>& views) {
         const auto corners = triangulate_corners(views);
         if (!corners) return std::nullopt;
         std::vector<double> errors_px;
+        errors_px.reserve(views.size());
         for (const CornerView& view : views) errors_px.push_back(view.rms_px(*corners));
         const double max_px = std::max(kMinGate_px, kGate * stats::upper_median(errors_px));
         const auto num_out = std::erase_if(
@@ -123,6 +124,7 @@ public:
 
     std::optional<Marker> locate(const std::vector<const TagView*>& views) const {
         std::vector<CornerView> seen;
+        seen.reserve(views.size());
         for (const TagView* view : views) seen.push_back(corner_view(*view));
         std::vector<CornerView> kept = inlier_views(seen);
         const auto corners = settle(kept);

@@ -87,6 +87,7 @@ std::optional<Line> robust_line(std::vector<Eigen::Vector2d> points, std::size_t
     for (int round = 0; round < 2; ++round) {
         const Line line = line_through(points);
         std::vector<double> distances;
+        distances.reserve(points.size());
         for (const auto& point : points) distances.push_back(distance_px(line, point));
         const double max_px = std::max(0.2, 3.0 * stats::upper_median(std::move(distances)));
         std::erase_if(points, [&](const auto& point) { return distance_px(line, point) > max_px; });

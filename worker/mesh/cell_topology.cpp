@@ -111,13 +111,13 @@ CellTopology make_topology(int mask, int joined_face) {
 }  // namespace
 
 const CellTopology& cell_topology(int mask, int joined_face) {
-    static const std::vector<CellTopology> table = [] {
+    static const std::vector<CellTopology> kTable = [] {
         std::vector<CellTopology> made;
         for (int m = 0; m < 256; ++m)
             for (int face = 0; face <= kNoFace; ++face) made.push_back(make_topology(m, face));
         return made;
     }();
-    return table[static_cast<std::size_t>(mask) * (kNoFace + 1) + joined_face];
+    return kTable[static_cast<std::size_t>(mask) * (kNoFace + 1) + joined_face];
 }
 
 CellEdge cell_edge(int edge) {

@@ -40,7 +40,7 @@ unsigned crossed(const std::array<RowBits, 4>& rows) {
 std::vector<CrossedCell> find_crossed_cells(const BlockNeighbourhood& samples) {
     std::array<RowBits, kEdge * kEdge> rows;
     for (int row = 0; row < kEdge * kEdge; ++row)
-        rows[row] = bits_of(samples.distances_m.data() + row * kEdge);
+        rows[row] = bits_of(samples.distances_m.data() + std::ptrdiff_t{row} * kEdge);
     std::vector<CrossedCell> cells;
     for (int z = 0; z < fusion::kBlockEdge; ++z)
         for (int y = 0; y < fusion::kBlockEdge; ++y) {

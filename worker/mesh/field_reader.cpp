@@ -145,7 +145,7 @@ int sign_mask(const std::array<float, 8>& corners_m) {
 CellPoint cell_at(const std::array<float, 8>& corners_m, const Eigen::Vector3f& place) {
     const float x = place.x(), y = place.y(), z = place.z();
     float along_x[4], slope_x[4];  // of the edges along x, by y and z
-    for (int i = 0; i < 4; ++i) {
+    for (std::size_t i = 0; i < 4; ++i) {
         slope_x[i] = corners_m[2 * i + 1] - corners_m[2 * i];
         along_x[i] = corners_m[2 * i] + x * slope_x[i];
     }

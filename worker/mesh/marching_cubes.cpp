@@ -87,7 +87,8 @@ void MarchingCubes::find_vertices(std::size_t block) {
         for (int axis = 0; axis < 3; ++axis) {
             const float to = at(sample + Eigen::Vector3i::Unit(axis));
             if (std::isnan(to) || (from < 0.0F) == (to < 0.0F)) continue;
-            if (edges.index.empty()) edges.index.assign(3 * fusion::kBlockSamples, kNotCrossed);
+            if (edges.index.empty())
+                edges.index.assign(std::size_t{3} * fusion::kBlockSamples, kNotCrossed);
             edges.index[3 * i + axis] = static_cast<std::uint16_t>(edges.vertices.size());
             const float fraction =
                 std::clamp(from / (from - to), kMinFraction, 1.0F - kMinFraction);

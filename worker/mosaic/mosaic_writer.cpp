@@ -22,7 +22,8 @@ HeightImage height_image(const cv::Mat& height_m) {
     HeightImage image;
     double lowest = 0.0;
     double highest = 0.0;
-    const cv::Mat is_known = height_m == height_m;
+    cv::Mat is_known;  // not NaN
+    cv::compare(height_m, height_m, is_known, cv::CMP_EQ);
     if (cv::countNonZero(is_known) > 0)
         cv::minMaxLoc(height_m, &lowest, &highest, nullptr, nullptr, is_known);
     image.lowest_m = lowest;

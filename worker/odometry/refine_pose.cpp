@@ -178,6 +178,7 @@ double max_sigma_rad(const types::RectifiedRig& rig,
     constexpr double kUnknown_rad = std::numeric_limits<double>::infinity();
     if (pairs.empty()) return kUnknown_rad;
     std::vector<double> depths_m;
+    depths_m.reserve(pairs.size());
     for (const PointPair& pair : pairs) depths_m.push_back(pair.p_previous.z());
     Vector6d scale = Vector6d::Ones();
     scale.tail<3>().setConstant(stats::upper_median(std::move(depths_m)));

@@ -30,6 +30,7 @@ constexpr double kMadOfNormal = 0.6745;
 
 double median_shift_px(const PointPairs& pairs) {
     std::vector<double> shifts_px;
+    shifts_px.reserve(pairs.size());
     for (const PointPair& pair : pairs)
         shifts_px.push_back((pair.current_px - pair.previous_px).head<2>().norm());
     return stats::upper_median(std::move(shifts_px));

@@ -34,6 +34,7 @@ double median_error_px(const types::RectifiedRig& rig,
                        const PointPairs& pairs,
                        const Eigen::Isometry3d& T_current_previous) {
     std::vector<double> errors_px;
+    errors_px.reserve(pairs.size());
     for (const PointPair& pair : pairs)
         errors_px.push_back(
             (rig.pixel(T_current_previous * pair.p_previous) - pair.current_px.head<2>()).norm());

@@ -66,6 +66,7 @@ std::vector<Interval> intervals(const types::Trajectory& odometry,
 Variance step_variance(const std::vector<Interval>& intervals) {
     const auto typical = [&](double Variance::*part) {
         std::vector<double> values;
+        values.reserve(intervals.size());
         for (const Interval& interval : intervals)
             values.push_back(interval.missed.*part / interval.num_steps());
         return stats::upper_median(std::move(values)) * 3.0 / kMedianOfThree;

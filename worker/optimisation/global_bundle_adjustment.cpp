@@ -141,14 +141,15 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
 
 }  // namespace
 
-GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
+GlobalBundleAdjustment adjust_globally(types::Track& track,
                                        const imu::InertialPrior& inertial,
-                                       std::vector<types::Keyframe>& keyframes,
-                                       std::vector<types::Landmark>& landmarks,
                                        const std::vector<KnownMotion>& known,
                                        const CalibrationUncertainty& calibration,
                                        const base::ProgressCallback& progress,
                                        const Progress& at) {
+    const types::RectifiedRig& rig = track.rig;
+    std::vector<types::Keyframe>& keyframes = track.keyframes;
+    std::vector<types::Landmark>& landmarks = track.landmarks;
     std::vector<BodyState> states;
     states.reserve(keyframes.size());
     for (const types::Keyframe& keyframe : keyframes)

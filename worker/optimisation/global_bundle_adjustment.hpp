@@ -35,15 +35,13 @@ struct KnownMotion {
     double sigma_rad = 0.0;
 };
 
-// Adjusts all keyframes and landmarks of a dive together, with the inertial sensors between
+// Adjusts all keyframes and landmarks of a track together, with the inertial sensors between
 // keyframes and, weakly, the AHRS at them. The first keyframe stays fixed. Landmarks are thinned
 // evenly, so that an hour-long dive can be solved. Known motions hold a rig at rest together, and
 // tie what nothing else ties, so that the covariance grows over a predicted motion as the motion
 // model's does. The calibration is held; its uncertainty is part of the covariance.
-GlobalBundleAdjustment adjust_globally(const types::RectifiedRig& rig,
+GlobalBundleAdjustment adjust_globally(types::Track& track,
                                        const imu::InertialPrior& inertial,
-                                       std::vector<types::Keyframe>& keyframes,
-                                       std::vector<types::Landmark>& landmarks,
                                        const std::vector<KnownMotion>& known,
                                        const CalibrationUncertainty& calibration,
                                        const base::ProgressCallback& progress,

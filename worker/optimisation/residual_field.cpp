@@ -28,7 +28,7 @@ Eigen::Matrix<double, 3, kFieldSize> by_field(const types::RectifiedRig& rig,
         for (const int right : {0, 1}) {
             const double weight =
                 (right == 1 ? u.share : 1.0 - u.share) * (down == 1 ? v.share : 1.0 - v.share);
-            const int node = (v.first + down) * kFieldColumns + u.first + right;
+            const Eigen::Index node = (v.first + down) * kFieldColumns + u.first + right;
             result.block<3, 3>(0, 3 * node) = weight * Eigen::Matrix3d::Identity();
         }
     return result;

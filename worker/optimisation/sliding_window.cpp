@@ -229,7 +229,7 @@ void SlidingWindow::drop_outliers() {
         seen.erase(std::remove_if(
                        in_window,
                        seen.end(),
-                       [&](const types::LandmarkObservation& observation) {
+                       [this, &landmark = landmark](const types::LandmarkObservation& observation) {
                            const auto k = static_cast<std::size_t>(observation.keyframe);
                            return !fits(
                                rig_, keyframes_[k].T_world_cam.inverse(), landmark, observation);

@@ -112,7 +112,7 @@ types::RigAlignment align_rows(const types::Recording& recording,
             rectified,
             spread_matches(matcher, recording.num_frames(), num_threads, progress));
     };
-    const types::RigAlignment first = estimate(stated);
+    types::RigAlignment first = estimate(stated);
     if (first.outcome != types::RigAlignment::Outcome::Moved) return first;
     return estimate(
         calibration::changed_rig(stated, first.change));  // patches now fit in shape too
@@ -201,7 +201,7 @@ types::RigAlignment align_cameras(const types::Recording& recording,
                                   int num_threads,
                                   const base::ProgressCallback& progress) {
     using Outcome = types::RigAlignment::Outcome;
-    const types::RigAlignment rows = align_rows(recording, num_threads, progress);
+    types::RigAlignment rows = align_rows(recording, num_threads, progress);
     if (rows.outcome != Outcome::AsStated && rows.outcome != Outcome::Moved) return rows;
     types::RigAlignment alignment = rows;
     if (rows.outcome == Outcome::AsStated) {  // reported, never applied

@@ -45,11 +45,11 @@ bool load_fuse(Reconstruction& made, const std::string& key) {
 }
 
 void run_fuse(Reconstruction& made, const base::ProgressCallback& progress) {
-    FusedMap map = fuse(made.optimised.rig,
-                        made.optimised.mapped,
-                        made.track.statistics.median_depth_m,
+    FusedMap map = fuse({made.optimised.rig,
+                         made.optimised.mapped,
+                         made.track.statistics.median_depth_m,
+                         made.keyframe_store},
                         made.options(),
-                        made.keyframe_store,
                         made.request.scratch,
                         progress);
     made.volume = std::move(map.volume);

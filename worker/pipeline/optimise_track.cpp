@@ -147,10 +147,8 @@ bool TrackOptimiser::adjust(types::Track closed) {
     base::return_freed_memory();
     refinement_.calibration = result_.calibration;
     const optimisation::GlobalBundleAdjustment adjusted = optimisation::adjust_globally(
-        closed.rig,
+        closed,
         inertial_,
-        closed.keyframes,
-        closed.landmarks,
         known_motions(track_, closed, inertial_, drift_),
         calibration::calibration_uncertainty(recording_.rig(), closed.rig, refinement_, alignment_),
         progress_,

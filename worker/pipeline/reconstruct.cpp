@@ -89,15 +89,13 @@ types::OptimisedTrack optimise(const types::Track& track,
     return result;
 }
 
-FusedMap fuse(const types::RectifiedRig& rig,
-              const std::vector<types::Keyframe>& frames,
-              double median_depth_m,
+FusedMap fuse(const FramesToFuse& input,
               const ReconstructionOptions& options,
-              const keyframes::KeyframeStore& store,
               const std::filesystem::path& scratch,
               const base::ProgressCallback& progress) {
+    const std::vector<types::Keyframe>& frames = input.frames;
     FusedMap map;
-    map.volume = fusion::make_volume(rig, options, median_depth_m, scratch);
+    map.volume = fusion::make_volume(input.rig, options, input.median_depth_m, scratch);
     map.cloud = fusion::make_cloud(map.volume->settings(), options);
     // Consecutive frames see nearly the same points, so all of them are used only if the cloud's
     // points are to be closer than a voxel requires.
@@ -107,7 +105,7 @@ FusedMap fuse(const types::RectifiedRig& rig,
     done.stage = "fuse";
     done.num_frames = static_cast<std::int64_t>(frames.size());
     base::TaskPool task_pool(options.num_threads);
-    DepthViewPrefetcher views(rig, map.volume->voxel_m(), frames, store, task_pool);
+    DepthViewPrefetcher views(input.rig, map.volume->voxel_m(), frames, input.store, task_pool);
     // Declared after the map, so that it ends first, also if progress() throws.
     base::BackgroundTask cloud(task_pool);
     for (std::size_t i = 0; i < frames.size(); ++i) {

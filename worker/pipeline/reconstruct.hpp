@@ -46,13 +46,18 @@ struct FusedMap {
     std::unique_ptr<fusion::OctreeVolume> cloud;
 };
 
+// What is fused: frames whose depth is in `store`.
+struct FramesToFuse {
+    const types::RectifiedRig& rig;
+    const std::vector<types::Keyframe>& frames;
+    double median_depth_m = 0.0;
+    const keyframes::KeyframeStore& store;
+};
+
 // Step 7: fuses the depth of the frames. Voxels and points beyond `options.fusion_memory_bytes` are
 // spilled to the folder `scratch`.
-FusedMap fuse(const types::RectifiedRig& rig,
-              const std::vector<types::Keyframe>& frames,
-              double median_depth_m,
+FusedMap fuse(const FramesToFuse& input,
               const ReconstructionOptions& options,
-              const keyframes::KeyframeStore& store,
               const std::filesystem::path& scratch,
               const base::ProgressCallback& progress);
 

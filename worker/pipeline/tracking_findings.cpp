@@ -76,9 +76,11 @@ double expected_overlap(const types::Track& track, std::size_t next) {
         (track.odometry[next - 1].T_world_imu * rig.T_imu_cam);
     int num_seen = 0;
     for (int i = 0; i < kGridSize * kGridSize; ++i) {
+        const int column = i % kGridSize;
+        const int row = i / kGridSize;
         const Eigen::Vector3d p_next =
-            T_next_previous * rig.point_cam((i % kGridSize + 0.5) * rig.width_px / kGridSize,
-                                            (i / kGridSize + 0.5) * rig.height_px / kGridSize,
+            T_next_previous * rig.point_cam((column + 0.5) * rig.width_px / kGridSize,
+                                            (row + 0.5) * rig.height_px / kGridSize,
                                             depth_m);
         if (!(p_next.z() > 0.0)) continue;
         const Eigen::Vector2d pixel = rig.pixel(p_next);

@@ -40,7 +40,7 @@ std::string read_text(const json& entry, const char* key, const std::string& whe
     const auto found = entry.find(key);
     if (found == entry.end()) return "";
     if (!found->is_string()) refuse(where, std::string(key) + " is not text");
-    const auto text = found->get<std::string>();
+    auto text = found->get<std::string>();
     if (text.size() > kMaxNameLength)
         refuse(where, std::string(key) + " is longer than " + std::to_string(kMaxNameLength));
     for (const char c : text)

@@ -73,7 +73,7 @@ json make_accuracy_report(const AccuracyReportRequest& request,
         requirements.push_back(parse_requirement(text));
     const ReportInputs inputs = read_report_inputs(request, progress);
     const ReportMeasurements measured = measure_for_report(inputs, request, progress);
-    const json report = report_document(request, requirements, inputs, measured);
+    json report = report_document(request, requirements, inputs, measured);
     std::filesystem::create_directories(request.out);
     // A name in a dive may be invalid UTF-8, which must not fail the report.
     const auto replace = json::error_handler_t::replace;

@@ -13,7 +13,7 @@
 namespace divemesh::report {
 
 // New measurements, and what the page shows of them.
-struct ReportMeasurements {   // NOLINT(bugprone-exception-escape): moving JSON throws nothing
+struct ReportMeasurements {
     nlohmann::json document;  // metrics.json with the sections that were measured again
     types::Trajectory path;   // final, its largest segment
     std::optional<evaluation::TrajectoryError> trajectory;

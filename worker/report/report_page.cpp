@@ -25,7 +25,7 @@ std::string number_text(const json& value, const char* format = "%.6g", double f
 }
 
 std::string name_of(const json& report) {
-    const std::string name = report.at("dive").at("name");
+    std::string name = report.at("dive").at("name");
     if (!name.empty()) return name;
     return "dive " + report.at("dive").at("content_sha256").get<std::string>().substr(0, 12);
 }

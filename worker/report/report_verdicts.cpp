@@ -123,10 +123,12 @@ json find_regressions(const std::map<std::string, std::vector<double>>& history,
         const Better sense = better(name);
         if (sense == Better::Neither) continue;
         std::vector<double> sizes;  // an error may have either sign
+        sizes.reserve(earlier.size());
         for (const double value : earlier) sizes.push_back(std::abs(value));
         const double size = std::abs(*metric->value);
         const double middle = stats::median(sizes);
         std::vector<double> deviations;
+        deviations.reserve(sizes.size());
         for (const double value : sizes) deviations.push_back(std::abs(value - middle));
         const double allowed =
             std::max(kSigmas * 1.4826 * stats::median(deviations), kTolerated * middle);

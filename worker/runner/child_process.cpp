@@ -90,6 +90,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const Proces
     pipe_ = FileDescriptor(ends[0]);
     const FileDescriptor childs_end(ends[1]);
     std::vector<char*> arguments;
+    arguments.reserve(command.size() + 1);
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
     const pid_t parent = getpid();

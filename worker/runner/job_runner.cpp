@@ -162,6 +162,7 @@ void run_worker(const WorkerConfig& config, std::stop_token stop) {
     own.work_folder = work_folder.path();
     isolate(own);
     std::vector<std::thread> slots;
+    slots.reserve(static_cast<std::size_t>(config.num_slots));
     for (int i = 0; i < config.num_slots; ++i)
         slots.emplace_back([&] { run_slot(own, name, jobs, *blobs, stop); });
     for (std::thread& slot : slots) slot.join();

@@ -13,14 +13,14 @@ namespace {
 constexpr int kToneSteps = 4096;
 
 const std::array<std::uint8_t, kToneSteps + 1>& tone_curve() {
-    static const auto curve = [] {
+    static const auto kCurve = [] {
         std::array<std::uint8_t, kToneSteps + 1> table{};
         for (int i = 0; i <= kToneSteps; ++i)
             table[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(
                 std::lround(255.0 * std::pow(i / static_cast<double>(kToneSteps), 1.0 / 2.2)));
         return table;
     }();
-    return curve;
+    return kCurve;
 }
 
 // Returns three approximately normal numbers (Irwin and Hall, sums of four) from the hashes of one
@@ -40,7 +40,8 @@ std::array<float, 3> normal3(std::uint64_t seed) {
 
 std::uint8_t tone(float linear) {
     const float clamped = std::clamp(linear, 0.0F, 1.0F);
-    return tone_curve()[static_cast<std::size_t>(clamped * kToneSteps + 0.5F)];
+    const float step = clamped * kToneSteps + 0.5F;
+    return tone_curve()[static_cast<std::size_t>(step)];
 }
 
 cv::Mat develop(const cv::Mat& radiance,

@@ -43,9 +43,8 @@ void MarineSnow::draw(const types::Camera& camera,
                       const Eigen::Isometry3d& T_world_cam,
                       double t_s,
                       const Water& water,
-                      cv::Mat& radiance,
-                      const cv::Mat& depth,
-                      cv::Mat* mask) const {
+                      Rendering& rendering) const {
+    cv::Mat& radiance = rendering.radiance;
     const Eigen::Isometry3d T_cam_world = T_world_cam.inverse();
     for (const Particle& particle : particles_) {
         const Eigen::Vector3d away =
@@ -75,7 +74,7 @@ void MarineSnow::draw(const types::Camera& camera,
         for (int v = std::max(0, v0 - reach); v <= std::min(radiance.rows - 1, v0 + reach); ++v)
             for (int u = std::max(0, u0 - reach); u <= std::min(radiance.cols - 1, u0 + reach);
                  ++u) {
-                const auto behind = depth.at<float>(v, u);
+                const auto behind = rendering.depth.at<float>(v, u);
                 if (behind > 0.0F && behind < static_cast<float>(p_cam.z())) continue;
                 const double du = u - pixel->x();
                 const double dv = v - pixel->y();
@@ -84,7 +83,7 @@ void MarineSnow::draw(const types::Camera& camera,
                                   std::exp(-0.5 * (du * du + dv * dv) / (sigma_px * sigma_px)));
                 auto& value = radiance.at<cv::Vec3f>(v, u);
                 for (int c = 0; c < 3; ++c) value[c] += weight * (color[c] - value[c]);
-                if (mask && weight > 0.05F) mask->at<std::uint8_t>(v, u) = 255;
+                if (weight > 0.05F) rendering.snow.at<std::uint8_t>(v, u) = 255;
             }
     }
 }

@@ -2,9 +2,9 @@
 
 #include <Eigen/Geometry>
 #include <cstdint>
-#include <opencv2/core/mat.hpp>
 #include <vector>
 
+#include "worker/simulator/rendering.hpp"
 #include "worker/simulator/water.hpp"
 #include "worker/types/camera.hpp"
 
@@ -16,15 +16,13 @@ class MarineSnow {
 public:
     MarineSnow(double particles_per_m3, std::uint64_t seed);
 
-    // Draws the snow that a camera sees into a linear image (CV_32FC3) with this depth (CV_32F, m
-    // along the optical axis, 0: no surface), and marks it in `mask` (CV_8U) unless that is null.
+    // Draws the snow that a camera sees into the radiance of a rendering, in front of its depth,
+    // and marks it in its mask of snow.
     void draw(const types::Camera& camera,
               const Eigen::Isometry3d& T_world_cam,
               double t_s,
               const Water& water,
-              cv::Mat& radiance,
-              const cv::Mat& depth,
-              cv::Mat* mask) const;
+              Rendering& rendering) const;
 
 private:
     struct Particle {

@@ -139,9 +139,7 @@ void Renderer::draw_snow(int camera,
                         T_world_imu * (camera == 0 ? rig_.T_imu_cam0 : rig_.T_imu_cam1),
                         t_s,
                         options_.water,
-                        rendering.radiance,
-                        rendering.depth,
-                        &rendering.snow);
+                        rendering);
 }
 
 void Renderer::render_row(const Eye& eye, int row, Rendering& rendering) {

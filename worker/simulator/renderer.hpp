@@ -13,6 +13,7 @@
 #include "worker/simulator/lighting.hpp"
 #include "worker/simulator/marine_snow.hpp"
 #include "worker/simulator/ray_caster.hpp"
+#include "worker/simulator/rendering.hpp"
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/water.hpp"
 #include "worker/types/rig.hpp"
@@ -28,15 +29,6 @@ struct RenderOptions {
     float texture_contrast = 1.0F;           // times that of the materials; 0: one tone each
     bool exact_depth = false;                // else the depth of a ray near the pixel's centre
     std::uint64_t seed = 0;                  // of the textures
-};
-
-// One image before the sensor: linear light, and the ground truth of what it shows.
-struct Rendering {
-    cv::Mat radiance;  // CV_32FC3, r g b
-    cv::Mat depth;     // CV_32F, m along the optical axis, of the scene without fish; 0: no surface
-    cv::Mat albedo;    // CV_32FC3, reflectance of the scene without fish
-    cv::Mat fish;      // CV_8U, 255 where any part of a pixel sees a fish
-    cv::Mat snow;      // CV_8U, 255 where snow covers more than a twentieth
 };
 
 // Renders a scene through the cameras of a rig, four rays per pixel. Patterns and light are faded

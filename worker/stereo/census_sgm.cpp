@@ -36,7 +36,7 @@ void census(const cv::Mat& image,
             bool mirrored,
             std::size_t num_behind,
             std::vector<std::uint8_t>* planes) {
-    static const std::vector<Offset> pattern = census_pattern();
+    static const std::vector<Offset> kPattern = census_pattern();
     cv::Mat wide;
     cv::copyMakeBorder(
         image, wide, kRadiusY_px, kRadiusY_px, kRadiusX_px, kRadiusX_px, cv::BORDER_REFLECT_101);
@@ -49,7 +49,7 @@ void census(const cv::Mat& image,
         planes[p].resize(image.total() + num_behind);
         for (int y = 0; y < image.rows; ++y) {
             const std::uint8_t* neighbours[8];
-            for (int k = 0; k < 8; ++k) neighbours[k] = at(y, pattern[p * 8 + k]);
+            for (int k = 0; k < 8; ++k) neighbours[k] = at(y, kPattern[p * 8 + k]);
             std::uint8_t* row = planes[p].data() + static_cast<std::size_t>(y) * image.cols;
             kernel(at(y, {0, 0}), neighbours, image.cols, row);
         }

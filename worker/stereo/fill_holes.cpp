@@ -25,8 +25,10 @@ DIVEMESH_INLINE_BODY base::Floats supported(const float* const* rows, int x, bas
     for (const int distance : kDistances) {
         const float largest = kPairNoise_px + kPairSlope * 2.0F * static_cast<float>(distance);
         for (const auto& [dx, dy] : kDirections) {
-            const base::Floats a = base::load(rows[kReach_px + distance * dy] + x + distance * dx);
-            const base::Floats b = base::load(rows[kReach_px - distance * dy] + x - distance * dx);
+            const int across = distance * dx;
+            const int down = distance * dy;
+            const base::Floats a = base::load(rows[kReach_px + down] + x + across);
+            const base::Floats b = base::load(rows[kReach_px - down] + x - across);
             const base::Floats mean = 0.5F * (a + b);
             const base::Masks agree = (a > 0.0F) & (b > 0.0F) & (base::abs(a - b) <= largest) &
                                       (base::abs(mean - winner) <= kAgreement_px);

@@ -10,7 +10,18 @@ namespace divemesh::stereo {
 // The terms of a Lucas-Kanade step's normal equations, per pixel: g the gradient along the row, r
 // the right image at the disparity's position, e left minus r. Grey values in 1 / kGreyScale, r
 // relative to the middle of their range.
-enum Term { kCount, kG, kR, kE, kGG, kGR, kRR, kGE, kRE, kEE, kNumTerms };
+using Term = int;
+inline constexpr Term kCount = 0;
+inline constexpr Term kG = 1;
+inline constexpr Term kR = 2;
+inline constexpr Term kE = 3;
+inline constexpr Term kGG = 4;
+inline constexpr Term kGR = 5;
+inline constexpr Term kRR = 6;
+inline constexpr Term kGE = 7;
+inline constexpr Term kRE = 8;
+inline constexpr Term kEE = 9;
+inline constexpr Term kNumTerms = 10;
 
 inline constexpr int kGreyScale = 16;
 inline constexpr int kWindowRadius_px = 4;

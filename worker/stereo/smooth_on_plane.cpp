@@ -35,8 +35,9 @@ mean_on_plane(const float* const* rows, int x, int stride, base::Floats center, 
     for (int dy = 0; dy <= kRadius; ++dy) {
         for (int dx = -kRadius; dx <= kRadius; ++dx) {
             if (dy == 0 && dx <= 0) continue;
-            const base::Floats ahead = base::load(rows[kRadius + dy] + x + dx * stride);
-            const base::Floats behind = base::load(rows[kRadius - dy] + x - dx * stride);
+            const int across = dx * stride;
+            const base::Floats ahead = base::load(rows[kRadius + dy] + x + across);
+            const base::Floats behind = base::load(rows[kRadius - dy] + x - across);
             const base::Floats largest =
                 gate + kMaxSlope * static_cast<float>(stride * std::max(dy, std::abs(dx)));
             const base::Floats up = ahead - center;

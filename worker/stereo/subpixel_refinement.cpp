@@ -143,8 +143,7 @@ void SubpixelRefinement::take(const cv::Mat& left,
         if (center >= 0 && center % kWindow_px == kWindowRadius_px) add_blocks(center / kWindow_px);
         if (center < 0 || center >= left.rows) continue;
         Columns columns;
-        for (int term = 0; term < kNumTerms; ++term)
-            columns.of[term] = terms_.columns(static_cast<Term>(term));
+        for (int term = 0; term < kNumTerms; ++term) columns.of[term] = terms_.columns(term);
         step(columns, left.cols, disparity_px.row(center), sigma_px.row(center));
     }
     step_by_blocks(disparity_px, sigma_px);
@@ -164,7 +163,7 @@ void SubpixelRefinement::add_blocks(int block_y) {
     const std::size_t first = static_cast<std::size_t>(block_y + 1) * blocks_.stride + 1;
     const int num = blocks_.stride - 2 - base::kLanes;
     for (int term = 0; term < kNumTerms; ++term) {
-        const std::int32_t* column = terms_.columns(static_cast<Term>(term));
+        const std::int32_t* column = terms_.columns(term);
         float* sums = blocks_.sums[term].data() + first;
         for (int i = 0; i < num; ++i, column += kWindow_px)
             sums[i] = static_cast<float>(std::accumulate(column, column + kWindow_px, 0));

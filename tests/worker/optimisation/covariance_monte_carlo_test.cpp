@@ -70,13 +70,13 @@ public:
         Eigen::Matrix<double, kFieldSize, 1> nodes_px;
         for (double& node_px : nodes_px) node_px = field_sigma_px_ * normal(random);
         synthetic::World world(0.03 * kStep * kNumKeyframes, 0.0, seed);
-        std::vector<types::Keyframe> keyframes;
+        types::Track track;
         std::map<std::int64_t, types::Landmark> seen;
         for (int k = 0; k <= kNumKeyframes; ++k) {
             const int frame = kStep * k;
             const Eigen::Isometry3d T_world_cam = synthetic::T_world_cam(frame);
-            keyframes.push_back({frame, 100'000'000LL * frame, T_world_cam});
-            if (k > 0) keyframes.back().T_world_cam.translation() += 0.005 * noise();
+            track.keyframes.push_back({frame, 100'000'000LL * frame, T_world_cam});
+            if (k > 0) track.keyframes.back().T_world_cam.translation() += 0.005 * noise();
             for (types::Feature feature : world.see(T_world_cam, frame, 0.0)) {
                 if (feature.id % kEveryNthPoint != 0) continue;
                 const Eigen::Vector3d measured_px(
@@ -86,8 +86,8 @@ public:
                                               by_field(synthetic::rig(), measured_px) * nodes_px;
                 feature.pixel += error.head<2>();
                 feature.disparity_px += error.z();
-                const Eigen::Vector3d p =
-                    keyframes.back().T_world_cam * types::point_cam(synthetic::rig(), feature);
+                const Eigen::Vector3d p = track.keyframes.back().T_world_cam *
+                                          types::point_cam(synthetic::rig(), feature);
                 seen.try_emplace(feature.id, types::Landmark{p, {}})
                     .first->second.observations.push_back(
                         {k,
@@ -96,20 +96,17 @@ public:
                          static_cast<float>(feature.disparity_px)});
             }
         }
-        std::vector<types::Landmark> landmarks;
         for (auto& [id, landmark] : seen)
-            if (landmark.observations.size() > 1) landmarks.push_back(std::move(landmark));
-        types::RectifiedRig rig = synthetic::rig();
-        rig.baseline_m *= 1.0 + kTriangulationSigma * normal(random);
-        const GlobalBundleAdjustment adjusted = adjust_globally(rig,
+            if (landmark.observations.size() > 1) track.landmarks.push_back(std::move(landmark));
+        track.rig = synthetic::rig();
+        track.rig.baseline_m *= 1.0 + kTriangulationSigma * normal(random);
+        const GlobalBundleAdjustment adjusted = adjust_globally(track,
                                                                 imu::InertialPrior(recording_, {}),
-                                                                keyframes,
-                                                                landmarks,
                                                                 {},
                                                                 calibration(),
                                                                 base::ignore_progress,
                                                                 {});
-        return normalised(rig, keyframes, adjusted.covariances);
+        return normalised(track.rig, track.keyframes, adjusted.covariances);
     }
 
 private:

@@ -39,14 +39,8 @@ protected:
     // Returns the standard deviation of the position of a keyframe, m.
     double sigma_m(const std::vector<KnownMotion>& known, std::size_t keyframe) {
         types::Track track = track_;
-        const auto adjusted = adjust_globally(track.rig,
-                                              imu::InertialPrior(recording_, {}),
-                                              track.keyframes,
-                                              track.landmarks,
-                                              known,
-                                              {},
-                                              base::ignore_progress,
-                                              {});
+        const auto adjusted = adjust_globally(
+            track, imu::InertialPrior(recording_, {}), known, {}, base::ignore_progress, {});
         return std::sqrt(adjusted.covariances.at(keyframe).position_m2.trace());
     }
 
@@ -72,10 +66,8 @@ TEST(CalibrationUncertaintyTest, TheBaselineIsTheScaleOfThePath) {
     const auto adjusted = [&](const CalibrationUncertainty& calibration) {
         types::Track track = synthetic::tracked_dive(kNumKeyframes);
         track.rig.T_imu_cam.translation().setZero();
-        return std::pair(adjust_globally(track.rig,
+        return std::pair(adjust_globally(track,
                                          imu::InertialPrior(recording, {}),
-                                         track.keyframes,
-                                         track.landmarks,
                                          {},
                                          calibration,
                                          base::ignore_progress,

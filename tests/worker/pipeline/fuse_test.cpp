@@ -25,7 +25,7 @@ protected:
 
     FusedMap fuse(const base::ProgressCallback& progress) const {
         return pipeline::fuse(
-            fusion::small_rig(), frames_, 1.2, options_, store_, folder_ / "", progress);
+            {fusion::small_rig(), frames_, 1.2, store_}, options_, folder_ / "", progress);
     }
 
     TemporaryFolder folder_;

@@ -116,12 +116,13 @@ TEST(RendererTest, SnowIsLeftOutBehindTheSceneAndMarkedInItsMask) {
     const types::Rig rig = draw_rig(kWidth_px, kHeight_px, 3);
     const MarineSnow snow(3000.0, 5);
     const auto draw = [&](float wall_m) {
-        cv::Mat radiance(kHeight_px, kWidth_px, CV_32FC3, cv::Scalar::all(0));
-        const cv::Mat depth(kHeight_px, kWidth_px, CV_32F, cv::Scalar(wall_m));
-        cv::Mat mask = cv::Mat::zeros(kHeight_px, kWidth_px, CV_8U);
+        Rendering rendering;
+        rendering.radiance = cv::Mat(kHeight_px, kWidth_px, CV_32FC3, cv::Scalar::all(0));
+        rendering.depth = cv::Mat(kHeight_px, kWidth_px, CV_32F, cv::Scalar(wall_m));
+        rendering.snow = cv::Mat::zeros(kHeight_px, kWidth_px, CV_8U);
         const Water water = make_water(WaterKind::Green);
-        snow.draw(rig.cam0, rig.T_imu_cam0, 1.0, water, radiance, depth, &mask);
-        return std::pair(cv::countNonZero(mask), cv::sum(radiance)[1]);
+        snow.draw(rig.cam0, rig.T_imu_cam0, 1.0, water, rendering);
+        return std::pair(cv::countNonZero(rendering.snow), cv::sum(rendering.radiance)[1]);
     };
     const auto [covered, light] = draw(5.0F);
     EXPECT_GT(covered, 10);
