@@ -7,6 +7,7 @@
 
 #include "worker/evaluation/trajectory_pairs.hpp"
 #include "worker/imu/preintegration.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::evaluation {
 namespace {
@@ -180,6 +181,14 @@ double repetition(const Eigen::VectorXd& residuals) {
     return (1.0 + correlation) / (1.0 - correlation);
 }
 
+// Returns a standard deviation that was estimated from few independent residuals, widened so that
+// three of it hold as much as three of a known one (Student's t).
+double wide_sigma(double sigma, double degrees_of_freedom) {
+    constexpr double kShare = 0.99865;  // of a normal variable below three sigmas
+    return sigma * stats::student_t_quantile(kShare, std::max(1.0, degrees_of_freedom)) /
+           kContradicts_sigmas;
+}
+
 double sigma_between_m(double length_m, const PathError& path) {
     if (path.extent_m <= 0.0) return 0.0;
     return path.far_sigma_m * std::sqrt(std::min(1.0, length_m / path.extent_m));
@@ -234,7 +243,8 @@ std::optional<ScaleCheck> scale_by_pressure(const std::vector<types::PressureSam
     const double degrees_of_freedom = std::max(1.0, static_cast<double>(path.rows()) - 4.0 * times);
     const double inverse = factor.solve(Eigen::Vector4d::Unit(0)).x();  // 1 / squares of -z only
     const double variance = residuals.squaredNorm() / degrees_of_freedom * times * inverse;
-    const double sigma = std::hypot(std::sqrt(variance), sigma_by_poses);
+    const double sigma =
+        std::hypot(wide_sigma(std::sqrt(variance), degrees_of_freedom / times), sigma_by_poses);
     if (sigma <= 0.0) return std::nullopt;
     return ScaleCheck{solution[0], sigma};
 }

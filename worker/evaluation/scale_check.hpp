@@ -31,7 +31,8 @@ std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<types::ImuSam
 
 // Compares the depth by pressure with the vertical motion of the path: the slope of depth over -z,
 // with half seconds of the dive as samples; a slope over x and y is free, as the path may be
-// slightly tilted. Sigma includes the correlation of consecutive residuals. It also includes
+// slightly tilted. Sigma includes the correlation of consecutive residuals, and is wider the fewer
+// of them are independent. It also includes
 // `sigma_by_poses` (PathUncertainty::vertical_scale_sigma), the effect of the poses' own errors on
 // the slope, because the slope absorbs them and the residuals do not show them. Returns nullopt
 // without pressure or with less than ten seconds of it.

@@ -1,6 +1,7 @@
 #include "worker/odometry/rest_detector.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -50,6 +51,11 @@ double noise_of(const types::RectifiedRig& rig,
     return std::max(kMinNoise, stats::upper_median(std::move(errors)) / kMadOfNormal);
 }
 
+double largest_sigma(const Eigen::Matrix3d& covariance) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(covariance, Eigen::EigenvaluesOnly);
+    return std::sqrt(std::max(0.0, solver.eigenvalues()[2]));
+}
+
 }  // namespace
 
 std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
@@ -89,7 +95,7 @@ bool RestDetector::hardly_moved(const PointPairs& pairs) const {
 
 // Returns T_anchor_cam: the identity if noise explains the motion, a rotation if noise explains its
 // translation.
-Eigen::Isometry3d RestDetector::significant_motion(const PointPairs& pairs) const {
+Eigen::Isometry3d RestDetector::significant_motion(const PointPairs& pairs) {
     const Eigen::Isometry3d T_cam_anchor =
         refine_pose(rig_, pairs, {Eigen::Isometry3d::Identity(), std::nullopt, 0.0})
             .T_current_previous;
@@ -100,6 +106,8 @@ Eigen::Isometry3d RestDetector::significant_motion(const PointPairs& pairs) cons
     motion << turned, moved;
     const Eigen::Matrix<double, 6, 6> covariance = motion_covariance(rig_, pairs, T_cam_anchor);
     const double noise = noise_of(rig_, pairs, T_cam_anchor);
+    sigma_rad_ = noise * largest_sigma(covariance.topLeftCorner<3, 3>());
+    sigma_m_ = noise * largest_sigma(covariance.bottomRightCorner<3, 3>());
     if (motion.dot(covariance.ldlt().solve(motion)) < kMaxChiSquared * noise * noise)
         return Eigen::Isometry3d::Identity();
     const Eigen::Vector3d weighted = covariance.bottomRightCorner<3, 3>().ldlt().solve(moved);

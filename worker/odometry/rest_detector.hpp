@@ -36,13 +36,17 @@ public:
     bool hardly_moves() const { return hardly_moves_; }
     // Returns when the rest began. Valid while watch() returns a pose.
     std::int64_t began_ns() const { return anchor_ns_; }
+    // Return the standard deviations of the pose against the anchor's, likewise: the largest along
+    // or about any axis.
+    double sigma_m() const { return sigma_m_; }
+    double sigma_rad() const { return sigma_rad_; }
     // Returns the camera's rotation since then, likewise.
     Eigen::Quaterniond q_anchor_cam() const { return Eigen::Quaterniond(T_anchor_cam_.linear()); }
 
 private:
     bool hardly_moved(const PointPairs& pairs) const;
     void join_anchor(const types::Features& features);
-    Eigen::Isometry3d significant_motion(const PointPairs& pairs) const;
+    Eigen::Isometry3d significant_motion(const PointPairs& pairs);
 
     types::RectifiedRig rig_;
     types::Features anchor_;
@@ -51,6 +55,8 @@ private:
     bool hardly_moves_ = false;
     Eigen::Isometry3d T_world_anchor_ = Eigen::Isometry3d::Identity();
     Eigen::Isometry3d T_anchor_cam_ = Eigen::Isometry3d::Identity();
+    double sigma_m_ = 0.0;
+    double sigma_rad_ = 0.0;
 };
 
 }  // namespace divemesh::odometry

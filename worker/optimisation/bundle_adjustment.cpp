@@ -199,12 +199,12 @@ void BundleAdjustment::add_imu_preintegration(BodyState& from,
         accelerometer, to.bias.accelerometer.data(), noise.accelerometer_random_walk, duration_s);
 }
 
-void BundleAdjustment::add_present_motion(BodyState& from,
-                                          BodyState& to,
-                                          double sigma_m,
-                                          double sigma_rad) {
+void BundleAdjustment::add_motion(BodyState& from,
+                                  BodyState& to,
+                                  const Eigen::Isometry3d& T_from_to,
+                                  double sigma_m,
+                                  double sigma_rad) {
     auto& own = *implementation_;
-    const Eigen::Isometry3d T_from_to = from.T_world_imu().inverse() * to.T_world_imu();
     own.add(RelativePose::create(T_from_to, sigma_m, sigma_rad),
             nullptr,
             {own.q(from), from.p_world_imu.data(), own.q(to), to.p_world_imu.data()});

@@ -86,8 +86,12 @@ public:
                                 const imu::PreintegratedImu& motion,
                                 const types::ImuNoise& noise,
                                 Eigen::Vector3d& gravity_direction_world);
-    // Adds the present motion between two states as known with these standard deviations.
-    void add_present_motion(BodyState& from, BodyState& to, double sigma_m, double sigma_rad);
+    // Adds a known motion between two states, with its standard deviations.
+    void add_motion(BodyState& from,
+                    BodyState& to,
+                    const Eigen::Isometry3d& T_from_to,
+                    double sigma_m,
+                    double sigma_rad);
     void add_gyroscope_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
     void add_accelerometer_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
     // Adds an orientation from the AHRS. `q_world_ahrs`, the AHRS's world in ours, is unknown and

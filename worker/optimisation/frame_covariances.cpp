@@ -23,9 +23,20 @@ struct Interval {
     std::size_t from = 0;
     std::size_t to = 0;
     Variance missed;
+    std::vector<double> steps;  // in which the odometry moves, from `from` up to each frame
 
-    double num_steps() const { return static_cast<double>(to - from); }
+    double num_steps() const { return std::max(1.0, steps.back()); }
 };
+
+// Returns the number of steps in which the odometry moves, from one frame up to each later one.
+std::vector<double> moving_steps(const types::Trajectory& odometry,
+                                 std::size_t from,
+                                 std::size_t to) {
+    std::vector<double> steps = {0.0};
+    for (std::size_t i = from + 1; i <= to; ++i)
+        steps.push_back(steps.back() + (moves_to(odometry, i) ? 1.0 : 0.0));
+    return steps;
+}
 
 std::vector<Interval> intervals(const types::Trajectory& odometry,
                                 const std::vector<types::Keyframe>& keyframes,
@@ -35,7 +46,9 @@ std::vector<Interval> intervals(const types::Trajectory& odometry,
         if (keyframes[k].segment != keyframes[k - 1].segment) continue;
         Interval interval{frame_at(odometry, keyframes[k - 1].timestamp_ns),
                           frame_at(odometry, keyframes[k].timestamp_ns),
+                          {},
                           {}};
+        interval.steps = moving_steps(odometry, interval.from, interval.to);
         const Eigen::Isometry3d T_cam_imu = T_imu_cam.inverse();
         const Eigen::Isometry3d T_from_to = (keyframes[k - 1].T_world_cam * T_cam_imu).inverse() *
                                             (keyframes[k].T_world_cam * T_cam_imu);
@@ -85,12 +98,11 @@ types::CovarianceTrack covariances_at(const types::CovarianceTrack& covariances,
                              std::max(num * step.rotation_rad2, interval.missed.rotation_rad2)};
         for (std::size_t i = interval.from + 1; i < interval.to; ++i) {
             if (ties.broken && (i < ties.end_of_first || i >= ties.begin_of_second)) {
-                const std::size_t away =
-                    i < ties.end_of_first ? i - interval.from : interval.to - i;
-                add(i, step, static_cast<double>(away));
+                const double done = interval.steps[i - interval.from];
+                add(i, step, i < ties.end_of_first ? done : interval.steps.back() - done);
                 continue;
             }
-            const double share = static_cast<double>(i - interval.from) / num;
+            const double share = interval.steps[i - interval.from] / num;
             add(i, whole, share * (1.0 - share));
         }
     }

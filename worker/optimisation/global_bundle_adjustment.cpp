@@ -143,7 +143,7 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
 
 GlobalBundleAdjustment adjust_globally(types::Track& track,
                                        const imu::InertialPrior& inertial,
-                                       const std::vector<UnmeasuredMotion>& unmeasured,
+                                       const std::vector<KnownMotion>& known,
                                        const CalibrationUncertainty& calibration,
                                        const base::ProgressCallback& progress,
                                        const Progress& at) {
@@ -164,9 +164,12 @@ GlobalBundleAdjustment adjust_globally(types::Track& track,
                                               landmarks[i].p_world,
                                               measurement_px(seen),
                                               types::kFeatureSigma_px);
-    for (const UnmeasuredMotion& motion : unmeasured)
-        bundle_adjustment.add_present_motion(
-            states[motion.to - 1], states[motion.to], motion.sigma_m, motion.sigma_rad);
+    for (const KnownMotion& motion : known)
+        bundle_adjustment.add_motion(states[motion.to - 1],
+                                     states[motion.to],
+                                     motion.T_before_to,
+                                     motion.sigma_m,
+                                     motion.sigma_rad);
     WorldReference reference;
     add_inertial_factors(bundle_adjustment, inertial, keyframes, states, reference);
     types::SolverOutcome outcome = bundle_adjustment.solve_sparse(kMaxIterations, progress, at);

@@ -26,22 +26,23 @@ struct GlobalBundleAdjustment {
     std::size_t landmark_stride = 1;  // every n-th landmark was adjusted
 };
 
-// The motion to a keyframe from the one before, where nothing measured it: as predicted, with the
-// standard deviations of the motion model.
-struct UnmeasuredMotion {
+// The motion of the body to a keyframe from the one before, known otherwise than by landmarks and
+// inertial sensors: from a rest, or predicted where nothing measured it.
+struct KnownMotion {
     std::size_t to = 0;
-    double sigma_m = 0.0;
+    Eigen::Isometry3d T_before_to = Eigen::Isometry3d::Identity();
+    double sigma_m = 0.0;  // along each axis
     double sigma_rad = 0.0;
 };
 
 // Adjusts all keyframes and landmarks of a track together, with the inertial sensors between
 // keyframes and, weakly, the AHRS at them. The first keyframe stays fixed. Landmarks are thinned
-// evenly, so that an hour-long dive can be solved. Motions that nothing measured tie what nothing
-// else ties, so that the covariance grows over them as the motion model's does. The calibration is
-// held; its uncertainty is part of the covariance.
+// evenly, so that an hour-long dive can be solved. Known motions hold a rig at rest together, and
+// tie what nothing else ties, so that the covariance grows over a predicted motion as the motion
+// model's does. The calibration is held; its uncertainty is part of the covariance.
 GlobalBundleAdjustment adjust_globally(types::Track& track,
                                        const imu::InertialPrior& inertial,
-                                       const std::vector<UnmeasuredMotion>& unmeasured,
+                                       const std::vector<KnownMotion>& known,
                                        const CalibrationUncertainty& calibration,
                                        const base::ProgressCallback& progress,
                                        const Progress& at);

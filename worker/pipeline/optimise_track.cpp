@@ -16,6 +16,7 @@
 #include "worker/optimisation/follow_keyframes.hpp"
 #include "worker/optimisation/frame_covariances.hpp"
 #include "worker/optimisation/global_bundle_adjustment.hpp"
+#include "worker/pipeline/known_motions.hpp"
 #include "worker/pipeline/solver_findings.hpp"
 #include "worker/pipeline/track_agreement.hpp"
 
@@ -55,7 +56,6 @@ private:
     void find_loops();
     types::Track closed_track();
     void drop_loops(const std::string& why);
-    std::vector<optimisation::UnmeasuredMotion> unmeasured_motions() const;
     void refine_calibration(const types::Track& closed);
     bool adjust(types::Track closed);
     void adjust_with_less();
@@ -139,20 +139,6 @@ void TrackOptimiser::refine_calibration(const types::Track& closed) {
     }
 }
 
-// Returns the motions between keyframes over which the scene was lost and no IMU measured either.
-std::vector<optimisation::UnmeasuredMotion> TrackOptimiser::unmeasured_motions() const {
-    const std::vector<types::Keyframe>& keyframes = track_.keyframes;
-    std::vector<optimisation::UnmeasuredMotion> motions;
-    for (std::size_t k = 1; k < keyframes.size(); ++k) {
-        if (drift_.segment(k) == drift_.segment(k - 1) ||
-            inertial_.motion(keyframes[k - 1].timestamp_ns, keyframes[k].timestamp_ns))
-            continue;
-        motions.push_back(
-            {k, drift_.position_sigma_m(k - 1, k), drift_.orientation_sigma_rad(k - 1, k)});
-    }
-    return motions;
-}
-
 // Adjusts the whole dive with the refined calibration. Returns false and takes no result if the
 // track got worse.
 bool TrackOptimiser::adjust(types::Track closed) {
@@ -163,7 +149,7 @@ bool TrackOptimiser::adjust(types::Track closed) {
     const optimisation::GlobalBundleAdjustment adjusted = optimisation::adjust_globally(
         closed,
         inertial_,
-        unmeasured_motions(),
+        known_motions(track_, closed, inertial_, drift_),
         calibration::calibration_uncertainty(recording_.rig(), closed.rig, refinement_, alignment_),
         progress_,
         at(0.6));

@@ -3,12 +3,14 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/odometry/motion_model.hpp"
 #include "worker/odometry/register_points.hpp"
 #include "worker/odometry/rest_detector.hpp"
 #include "worker/types/rectified_rig.hpp"
+#include "worker/types/rest.hpp"
 
 namespace divemesh::pipeline {
 
@@ -31,6 +33,8 @@ public:
     void restart() { detector_.restart(); }
     // Returns true if the image has hardly moved since an earlier frame, however recent.
     bool hardly_moves() const { return detector_.hardly_moves(); }
+    // Returns the rests so far, each within the time between two restarts.
+    const std::vector<types::Rest>& rests() const { return rests_; }
 
 private:
     bool turns_by_gyroscope(std::int64_t now_ns) const;
@@ -39,6 +43,7 @@ private:
     imu::InertialPrior& inertial_;
     odometry::MotionModel& motion_;
     odometry::RestDetector detector_;
+    std::vector<types::Rest> rests_;
 };
 
 }  // namespace divemesh::pipeline

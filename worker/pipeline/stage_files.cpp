@@ -151,6 +151,7 @@ void fields(auto& file, Is<types::Track> auto& track) {
     file.vector(track.motions);
     file.vector(track.breaks_ns);
     file.vector(track.features);
+    file.vector(track.rests);
     file.list(track.keyframes);
     file.list(track.mapped);
     file.list(track.landmarks);

@@ -181,6 +181,7 @@ std::optional<FrameToMap> WindowTracker::to_map(const odometry::Registration& vi
 void WindowTracker::move_to(types::Track& track) {
     track.statistics = summary_.statistics();
     track.imu_alignment = aligner_.alignment();
+    track.rests = rest_.rests();
     state_.map.move_to(track);
 }
 

@@ -10,6 +10,7 @@
 #include "worker/types/landmark.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rectified_rig.hpp"
+#include "worker/types/rest.hpp"
 #include "worker/types/search_outcome.hpp"
 #include "worker/types/sensors_left_out.hpp"
 #include "worker/types/solver_outcome.hpp"
@@ -50,6 +51,7 @@ struct Track {
     std::vector<MotionSource> motions;    // of every frame; of the first: Nothing
     Breaks breaks_ns;                     // the frames after the first with nothing measured
     std::vector<FrameFeatures> features;  // of every frame
+    std::vector<Rest> rests;              // ascending; `odometry` holds the motion within them
     std::vector<Keyframe> keyframes;
     std::vector<Keyframe> mapped;  // frames with depth in the store: keyframes and some between
     std::vector<Landmark> landmarks;

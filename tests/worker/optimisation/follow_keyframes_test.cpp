@@ -30,6 +30,16 @@ TEST_F(FollowOverBreaksTest, WithoutABreakTheErrorIsDistributedByTime) {
     EXPECT_NEAR(x_m(2, {}), 0.25, 1e-12);
 }
 
+TEST_F(FollowOverBreaksTest, AtRestNoErrorIsDistributed) {
+    for (int i = 2; i <= 6; ++i) odometry_[static_cast<std::size_t>(i)].T_world_imu = at(0.2);
+    odometry_[7].T_world_imu = at(0.3);
+    odometry_[8].T_world_imu = at(0.4);
+    // The odometry moves in four steps, and is 0.6 m short.
+    EXPECT_NEAR(x_m(1, {}), 0.25, 1e-12);
+    for (int i = 2; i <= 6; ++i) EXPECT_NEAR(x_m(i, {}), 0.5, 1e-12) << i;
+    EXPECT_NEAR(x_m(7, {}), 0.75, 1e-12);
+}
+
 TEST_F(FollowOverBreaksTest, WithABreakTheErrorLiesThere) {
     const types::Breaks breaks_ns = {40, 50};
     EXPECT_NEAR(x_m(3, breaks_ns), 0.3, 1e-12);  // tied to the first keyframe

@@ -26,15 +26,21 @@ void cut_at_the_break(types::Track& track) {
     }
 }
 
+// Returns the motion of the body to a keyframe from the one before, as it is in the track.
+Eigen::Isometry3d T_before(const types::Track& track, std::size_t keyframe) {
+    return track.rig.T_imu_cam * track.keyframes[keyframe - 1].T_world_cam.inverse() *
+           track.keyframes[keyframe].T_world_cam * track.rig.T_imu_cam.inverse();
+}
+
 class LostInBetweenTest : public testing::Test {
 protected:
     LostInBetweenTest() : track_(synthetic::tracked_dive(kNumKeyframes)) {}
 
     // Returns the standard deviation of the position of a keyframe, m.
-    double sigma_m(const std::vector<UnmeasuredMotion>& unmeasured, std::size_t keyframe) {
+    double sigma_m(const std::vector<KnownMotion>& known, std::size_t keyframe) {
         types::Track track = track_;
         const auto adjusted = adjust_globally(
-            track, imu::InertialPrior(recording_, {}), unmeasured, {}, base::ignore_progress, {});
+            track, imu::InertialPrior(recording_, {}), known, {}, base::ignore_progress, {});
         return std::sqrt(adjusted.covariances.at(keyframe).position_m2.trace());
     }
 
@@ -45,7 +51,8 @@ protected:
 TEST_F(LostInBetweenTest, TheCovarianceGrowsByTheMotionModel) {
     const double unbroken_m = sigma_m({}, kNumKeyframes - 1);
     cut_at_the_break(track_);
-    const std::vector<UnmeasuredMotion> unmeasured = {{kBreak, kSigma_m, kSigma_rad}};
+    const std::vector<KnownMotion> unmeasured = {
+        {kBreak, T_before(track_, kBreak), kSigma_m, kSigma_rad}};
     EXPECT_LT(sigma_m(unmeasured, kBreak - 1), 0.05);
     EXPECT_NEAR(sigma_m(unmeasured, kBreak), std::sqrt(3.0) * kSigma_m, 0.05);
     EXPECT_GT(sigma_m(unmeasured, kNumKeyframes - 1), sigma_m(unmeasured, kBreak));
