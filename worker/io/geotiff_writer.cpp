@@ -84,9 +84,9 @@ void set_layout(TIFF* tiff, const cv::Mat& raster) {
         TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &alpha);
         return;
     }
-    static const TIFFFieldInfo no_data[] = {
+    static const TIFFFieldInfo kNoData[] = {
         {kGdalNoData, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, const_cast<char*>("GDALNoData")}};
-    TIFFMergeFieldInfo(tiff, no_data, 1);
+    TIFFMergeFieldInfo(tiff, kNoData, 1);
     TIFFSetField(tiff, kGdalNoData, "nan");
 }
 
