@@ -7,9 +7,12 @@
 #include "worker/stereo/block_matcher.hpp"
 #include "worker/stereo/census_sgm.hpp"
 #include "worker/stereo/coarse_disparity_search.hpp"
+#include "worker/stereo/disparity_doubt.hpp"
 #include "worker/stereo/disparity_sigma.hpp"
+#include "worker/stereo/matching_images.hpp"
 #include "worker/stereo/refine_disparity.hpp"
 #include "worker/stereo/speckles.hpp"
+#include "worker/stereo/weak_surface.hpp"
 
 namespace divemesh::stereo {
 namespace {
@@ -23,13 +26,20 @@ void remove_islands(types::DepthMap& depth) {
     remove_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
 }
 
-// Refines the disparity, and removes islands that remain after the refinement or that it made by
-// removing pixels without texture.
-void refine(const types::RectifiedFrame& frame, DisparityRefiner& refiner, types::DepthMap& depth) {
+// Refines the disparity, removes islands that remain after the refinement or that it made by
+// removing pixels without texture, and adds what lies between measured surface.
+void refine(const types::RectifiedFrame& frame,
+            DisparityRefiner& refiner,
+            WeakSurface& weak,
+            types::DepthMap& depth) {
     unconfirm_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
+    const cv::Mat winners_px = depth.disparity_px.clone();
     depth.sigma_disparity_px =
         cv::max(refiner.refine(frame.left, frame.right, depth.disparity_px), kMinSigma_px);
     remove_islands(depth);
+    remove_unsupported(depth.disparity_px, depth.sigma_disparity_px, {}, kMaxStep_px);
+    add_doubt(winners_px, depth.sigma_disparity_px);
+    weak.add(winners_px, depth.disparity_px, depth.sigma_disparity_px);
 }
 
 void rate_by_texture(const types::RectifiedFrame& frame, types::DepthMap& depth) {
@@ -72,13 +82,16 @@ struct StereoMatcher::Implementation {
                        types::DepthMap& depth)>
         compute;
     std::optional<DisparityRefiner> refiner;
+    WeakSurface weak;
 
     void use_sgm() {
         searches_within_range = true;
         compute = [matcher = CensusSgm(num_disparities_px)](const types::RectifiedFrame& frame,
                                                             const types::DisparityRange& range,
                                                             types::DepthMap& depth) mutable {
-            depth.disparity_px = matcher.compute(frame.left, frame.right, range);
+            const MatchingImages images = matching_images(frame);
+            depth.disparity_px =
+                matcher.compute(images.left, images.right, range, images.tolerance);
         };
         refiner.emplace();
     }
@@ -118,7 +131,7 @@ types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame,
     depth.search = outcome_of(searched, surveyed);
     own.compute(frame, searched, depth);
     if (own.refiner)
-        refine(frame, *own.refiner, depth);
+        refine(frame, *own.refiner, own.weak, depth);
     else
         rate_by_texture(frame, depth);
     depth.sigma_disparity_px.setTo(0.0, depth.disparity_px <= 0.0);
