@@ -21,6 +21,10 @@ constexpr float kTolerance_px = 2.5F;  // of the winner, beyond the supports
 constexpr float kMinSigma_px = 0.7F;
 constexpr float kSigmaPerDistance = 0.02F;  // bulges between supports
 constexpr float kMaxSigma_px = 3.0F;
+// Of a gap so small that it is filled whatever its winners.
+constexpr float kClose_px = 1.5F * kBlock_px;
+constexpr int kMinClose = 3;
+constexpr float kMaxUneven_px = 0.7F;
 
 }  // namespace
 
@@ -93,6 +97,7 @@ WeakSurface::Plane WeakSurface::plane_of(std::size_t block) const {
     float sum_squares = 0.0F;
     float nearest_px = reach_px_;
     int num_axes = 0;
+    int num_close = 0;
     for (int axis = 0; axis < kNumAxes; ++axis) {
         const Support& a = supports_[2 * axis][block];
         const Support& b = supports_[2 * axis + 1][block];
@@ -113,6 +118,7 @@ WeakSurface::Plane WeakSurface::plane_of(std::size_t block) const {
         sum_squares += weight * between * between;
         nearest_px = std::min(nearest_px, std::min(a.distance_px, b.distance_px));
         ++num_axes;
+        num_close += std::max(a.distance_px, b.distance_px) <= kClose_px ? 1 : 0;
     }
     if (num_axes < kMinAxes) return plane;
     plane.disparity_px = sum / sum_weights;
@@ -121,6 +127,7 @@ WeakSurface::Plane WeakSurface::plane_of(std::size_t block) const {
     const float bulge = kSigmaPerDistance * nearest_px;
     plane.sigma_px = std::sqrt(kMinSigma_px * kMinSigma_px + variance + bulge * bulge);
     if (plane.sigma_px > kMaxSigma_px) plane.disparity_px = 0.0F;
+    plane.is_around = num_close >= kMinClose && variance <= kMaxUneven_px * kMaxUneven_px;
     return plane;
 }
 
@@ -139,13 +146,13 @@ void WeakSurface::add_block(const cv::Mat& winners_px,
         for (int j = 0; j < kBlock_px; ++j) {
             const int x = block_x * kBlock_px + j;
             const float winner = std::abs(winners[x]);
-            if (disparities[x] > 0.0F || winner <= 0.0F) continue;
+            if (disparities[x] > 0.0F) continue;
             const float expected = plane.disparity_px +
                                    plane.slope_x * (static_cast<float>(j) - kCentre) +
                                    plane.slope_y * (static_cast<float>(i) - kCentre);
-            if (winner < std::min(plane.min_px, expected) - kTolerance_px ||
-                winner > std::max(plane.max_px, expected) + kTolerance_px || expected <= 0.0F)
-                continue;
+            const bool agrees = winner >= std::min(plane.min_px, expected) - kTolerance_px &&
+                                winner <= std::max(plane.max_px, expected) + kTolerance_px;
+            if (expected <= 0.0F || !(agrees || plane.is_around)) continue;
             disparities[x] = expected;
             sigmas[x] = plane.sigma_px;
         }

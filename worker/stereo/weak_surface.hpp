@@ -25,7 +25,8 @@ private:
         float slope_x = 0.0F;
         float slope_y = 0.0F;
         float sigma_px = 0.0F;
-        float min_px = 0.0F;  // of the supports
+        bool is_around = false;  // all around, at once: the gap is a small one
+        float min_px = 0.0F;     // of the supports
         float max_px = 0.0F;
     };
 
