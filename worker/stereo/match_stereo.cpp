@@ -1,5 +1,6 @@
 #include "worker/stereo/match_stereo.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <opencv2/calib3d.hpp>
 #include <optional>
@@ -11,6 +12,7 @@
 #include "worker/stereo/disparity_sigma.hpp"
 #include "worker/stereo/matching_images.hpp"
 #include "worker/stereo/refine_disparity.hpp"
+#include "worker/stereo/sgm_kernels.hpp"
 #include "worker/stereo/speckles.hpp"
 #include "worker/stereo/weak_surface.hpp"
 
@@ -71,11 +73,18 @@ private:
 }  // namespace
 
 struct StereoMatcher::Implementation {
-    explicit Implementation(int num_disparities)
-        : num_disparities_px(num_disparities), survey(num_disparities) {}
+    explicit Implementation(int num_disparities) : num_disparities_px(num_disparities) {}
+
+    // Makes the survey at the first frame, which tells the size of the images.
+    CoarseDisparitySearch& survey_of(int limit_px) {
+        if (!survey || surveyed_px != limit_px) survey.emplace(limit_px);
+        surveyed_px = limit_px;
+        return *survey;
+    }
 
     int num_disparities_px;
-    CoarseDisparitySearch survey;
+    std::optional<CoarseDisparitySearch> survey;
+    int surveyed_px = 0;
     bool searches_within_range = false;
     std::function<void(const types::RectifiedFrame& frame,
                        const types::DisparityRange& range,
@@ -124,10 +133,13 @@ types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame,
                                      const types::DisparityRange& range) {
     types::DepthMap depth;
     auto& own = *implementation_;
-    const auto surveyed = own.survey.survey(frame.left, frame.right);
+    const int limit_px = own.searches_within_range
+                             ? max_disparities_px(own.num_disparities_px, frame.left.cols)
+                             : own.num_disparities_px;
+    const auto surveyed = own.survey_of(limit_px).survey(frame.left, frame.right);
     const types::DisparityRange searched = own.searches_within_range
-                                               ? widen(range, surveyed, own.num_disparities_px)
-                                               : types::DisparityRange{0, own.num_disparities_px};
+                                               ? widen(range, surveyed, limit_px)
+                                               : types::DisparityRange{0, limit_px};
     depth.search = outcome_of(searched, surveyed);
     own.compute(frame, searched, depth);
     if (own.refiner)
@@ -136,6 +148,15 @@ types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame,
         rate_by_texture(frame, depth);
     depth.sigma_disparity_px.setTo(0.0, depth.disparity_px <= 0.0);
     return depth;
+}
+
+int max_disparities_px(int num_disparities_px, int width_px) {
+    constexpr int kLargeWidth_px = 832;
+    constexpr double kShareOfWidth = 0.27;
+    constexpr int kStep_px = 64;
+    if (width_px <= kLargeWidth_px) return num_disparities_px;
+    const int wide = static_cast<int>(kShareOfWidth * width_px) / kStep_px * kStep_px;
+    return std::max(num_disparities_px, std::min(kMaxDisparities, wide));
 }
 
 }  // namespace divemesh::stereo
