@@ -16,7 +16,7 @@ constexpr int kReach_px = 4;         // of the gradient's pixels, at full sampli
 constexpr float kMaxBend_px = 1.0F;  // of the disparity over that reach
 constexpr float kDeadRim_px = 2.0F;
 constexpr float kFullWeight_px = 5.0F;  // distance from a discontinuity or unknown pixel
-constexpr float kMinCosine = 0.08F;     // of the angle of incidence: ground seen from afar
+constexpr float kMinCosine = 0.15F;     // of the angle of incidence
 
 DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
                                       const float* __restrict row,

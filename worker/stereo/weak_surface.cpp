@@ -18,13 +18,15 @@ constexpr float kReach = 0.1F;     // of the image's width
 constexpr float kMaxSlope = 0.3F;  // of a surface between two supports, px per px
 constexpr float kSupportNoise_px = 1.0F;
 constexpr float kTolerance_px = 2.5F;  // of the winner, beyond the supports
-constexpr float kMinSigma_px = 0.7F;
-constexpr float kSigmaPerDistance = 0.02F;  // bulges between supports
+constexpr float kMinSigma_px = 1.2F;
+constexpr float kSigmaPerDistance = 0.04F;  // bulges between supports
+constexpr float kSigmaPerStep = 0.15F;      // of the disparity between supports
 constexpr float kMaxSigma_px = 3.0F;
 // Of a gap so small that it is filled whatever its winners.
 constexpr float kClose_px = 1.5F * kBlock_px;
 constexpr int kMinClose = 3;
 constexpr float kMaxUneven_px = 0.7F;
+constexpr float kSmallGapSigma_px = 0.5F;
 
 }  // namespace
 
@@ -96,6 +98,7 @@ WeakSurface::Plane WeakSurface::plane_of(std::size_t block) const {
     float sum = 0.0F;
     float sum_squares = 0.0F;
     float nearest_px = reach_px_;
+    float max_step_px = 0.0F;
     int num_axes = 0;
     int num_close = 0;
     for (int axis = 0; axis < kNumAxes; ++axis) {
@@ -117,6 +120,7 @@ WeakSurface::Plane WeakSurface::plane_of(std::size_t block) const {
         sum += weight * between;
         sum_squares += weight * between * between;
         nearest_px = std::min(nearest_px, std::min(a.distance_px, b.distance_px));
+        max_step_px = std::max(max_step_px, std::abs(step));
         ++num_axes;
         num_close += std::max(a.distance_px, b.distance_px) <= kClose_px ? 1 : 0;
     }
@@ -124,10 +128,13 @@ WeakSurface::Plane WeakSurface::plane_of(std::size_t block) const {
     plane.disparity_px = sum / sum_weights;
     const float variance =
         std::max(0.0F, sum_squares / sum_weights - plane.disparity_px * plane.disparity_px);
-    const float bulge = kSigmaPerDistance * nearest_px;
-    plane.sigma_px = std::sqrt(kMinSigma_px * kMinSigma_px + variance + bulge * bulge);
-    if (plane.sigma_px > kMaxSigma_px) plane.disparity_px = 0.0F;
+    const float bulge_px = kSigmaPerDistance * nearest_px;
+    const float bend_px = kSigmaPerStep * max_step_px;
     plane.is_around = num_close >= kMinClose && variance <= kMaxUneven_px * kMaxUneven_px;
+    const float least_px = plane.is_around ? kSmallGapSigma_px : kMinSigma_px;
+    plane.sigma_px =
+        std::sqrt(least_px * least_px + variance + bulge_px * bulge_px + bend_px * bend_px);
+    if (plane.sigma_px > kMaxSigma_px) plane.disparity_px = 0.0F;
     return plane;
 }
 
