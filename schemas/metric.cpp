@@ -45,7 +45,7 @@ constexpr std::pair<std::string_view, std::string_view> kAlignments[] = {
 // Returns true for numbers that are names or places, not metrics.
 bool is_left_out(std::string_view key) {
     static constexpr std::string_view kKeys[] = {
-        "format", "intervals", "from", "to", "id", "piece"};
+        "format", "intervals", "from", "to", "id", "piece", "covered_images"};
     return std::find(std::begin(kKeys), std::end(kKeys), key) != std::end(kKeys);
 }
 

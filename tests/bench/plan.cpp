@@ -140,6 +140,7 @@ const std::vector<Metric>& all_metrics() {
         {"f1_10mm",                  "/surface/scores/1/f1"},
         {"f1_20mm",                  "/surface/scores/2/f1"},
         {"f1_50mm",                  "/surface/scores/3/f1"},
+        {"mesh_covered_share",       "/mesh/covered_share"},
         {"mesh_area_m2",             "/mesh/area_m2"},
         {"num_triangles",            "/mesh/num_triangles"},
         {"frames_per_s",             "/speed/frames_per_s"},

@@ -1,107 +1,44 @@
 #include "tests/bench/stereo_pairs.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <opencv2/calib3d.hpp>
-#include <opencv2/imgcodecs.hpp>
 #include <string>
 #include <vector>
 
+#include "tests/bench/middlebury_pairs.hpp"
 #include "worker/stereo/match_stereo.hpp"
 
 namespace divemesh::bench {
 namespace {
 
 namespace fs = std::filesystem;
+using nlohmann::json;
 
-constexpr int kNumDisparities = 128;
-constexpr double kBad_px = 2.0;
-
-struct StereoPair {
-    std::string name;
-    cv::Mat left;
-    cv::Mat right;
-    cv::Mat truth_px;  // CV_32F; 0: unknown or hidden in the right picture
-};
-
-cv::Mat read_grey(const fs::path& file) { return cv::imread(file.string(), cv::IMREAD_GRAYSCALE); }
-
-cv::Mat read_disparity(const fs::path& file, double scale) {
-    cv::Mat disparity;
-    read_grey(file).convertTo(disparity, CV_32F, 1.0 / scale);
-    return disparity;
-}
-
-// Clears the pixels that the truth of the right image does not confirm: they are hidden there.
-void leave_out_hidden(cv::Mat& left_px, const cv::Mat& right_px) {
-    for (int y = 0; y < left_px.rows; ++y)
-        for (int x = 0; x < left_px.cols; ++x) {
-            float& d = left_px.at<float>(y, x);
-            const int there = x - static_cast<int>(std::lround(d));
-            if (there < 0 || std::abs(right_px.at<float>(y, there) - d) > 1.0F) d = 0.0F;
-        }
-}
-
-std::vector<StereoPair> read_pairs(const fs::path& folder) {
-    const auto both = [&](const char* name, const char* const(&files)[4], double scale) {
-        const fs::path path = folder / name;
-        StereoPair pair{name,
-                        read_grey(path / files[0]),
-                        read_grey(path / files[1]),
-                        read_disparity(path / files[2], scale)};
-        leave_out_hidden(pair.truth_px, read_disparity(path / files[3], scale));
-        return pair;
-    };
-    std::vector<StereoPair> pairs = {
-        both("Cones", {"im2.png", "im6.png", "disp2.png", "disp6.png"}, 4.0),
-        both("Cloth3", {"view1.png", "view5.png", "disp1.png", "disp5.png"}, 2.0)};
-    const fs::path path = folder / "Adirondack";
-    pairs.push_back({"Adirondack",
-                     read_grey(path / "left.png"),
-                     read_grey(path / "right.png"),
-                     read_disparity(path / "gt.png", 1.0)});
-    pairs.back().truth_px.setTo(0.0, read_grey(path / "mask.png") < 255);
-    return pairs;
-}
-
-double share_bad(const cv::Mat& disparity_px, const cv::Mat& truth_px) {
-    std::int64_t num_bad = 0;
-    std::int64_t num = 0;
-    for (int y = 0; y < truth_px.rows; ++y)
-        for (int x = kNumDisparities; x < truth_px.cols; ++x) {
-            const float truth = truth_px.at<float>(y, x);
-            if (truth <= 0.0F) continue;
-            const float d = disparity_px.at<float>(y, x);
-            ++num;
-            if (d <= 0.0F || std::abs(d - truth) > kBad_px) ++num_bad;
-        }
-    return static_cast<double>(num_bad) / static_cast<double>(std::max<std::int64_t>(1, num));
-}
-
-cv::Mat match_own(const StereoPair& pair) {
+types::DepthMap match_own(const StereoPair& pair) {
     types::RectifiedFrame frame;
     frame.left = pair.left;
     frame.right = pair.right;
-    return stereo::StereoMatcher("sgm", kNumDisparities).match(frame).disparity_px;
+    return stereo::StereoMatcher("sgm", kMiddleburyDisparities).match(frame);
 }
 
 struct OpenCvVariant {
     int mode;
     int block;
-    bool checked;
+    int uniqueness_percent;  // -1: no checks
 };
 
 cv::Mat match_opencv(const StereoPair& pair, const OpenCvVariant& variant) {
     const int area = variant.block * variant.block;  // penalties as OpenCV's manual advises
+    const bool checked = variant.uniqueness_percent >= 0;
     const auto matcher = cv::StereoSGBM::create(0,
-                                                kNumDisparities,
+                                                kMiddleburyDisparities,
                                                 variant.block,
                                                 8 * area,
                                                 32 * area,
-                                                variant.checked ? 1 : -1,
+                                                checked ? 1 : -1,
                                                 31,
-                                                variant.checked ? 5 : 0,
+                                                checked ? variant.uniqueness_percent : 0,
                                                 0,
                                                 0,
                                                 variant.mode);
@@ -112,32 +49,66 @@ cv::Mat match_opencv(const StereoPair& pair, const OpenCvVariant& variant) {
     return disparity;
 }
 
-}  // namespace
-
-nlohmann::json compare_on_stereo_pairs(const fs::path& middlebury) {
-    if (!fs::exists(middlebury)) return nullptr;
-    static const std::map<std::string, int> kModes = {
+const std::map<std::string, int>& opencv_modes() {
+    static const std::map<std::string, int> modes = {
         {"opencv_3way", cv::StereoSGBM::MODE_SGBM_3WAY},
         {"opencv_hh4", cv::StereoSGBM::MODE_HH4},
         {"opencv_sgbm", cv::StereoSGBM::MODE_SGBM}};
-    const auto pairs = read_pairs(middlebury);
-    const auto mean_over_pairs = [&](const auto& match, nlohmann::json* each) {
+    return modes;
+}
+
+// Returns the least bad2_or_missing of all modes, checked and unchecked.
+double best_of_opencv(const StereoPair& pair) {
+    double best = 1.0;
+    for (const auto& [name, mode] : opencv_modes())
+        for (const int uniqueness_percent : {-1, 5})
+            for (const int block : {3, 5})
+                best = std::min(
+                    best,
+                    score(match_opencv(pair, {mode, block, uniqueness_percent}), pair.truth_px)
+                        .bad2_or_missing);
+    return best;
+}
+
+// Returns bad-2.0 of the answered, ours and the rival's, at the density of the rival. Where ours is
+// less dense, the rival's uniqueness is raised until it is no denser.
+void compare_at_equal_density(const StereoPair& pair, const types::DepthMap& own, json& result) {
+    const double density = score(own.disparity_px, pair.truth_px).density;
+    DisparityScore rival;
+    for (int uniqueness_percent = 10; uniqueness_percent <= 60; uniqueness_percent += 5) {
+        rival = score(match_opencv(pair, {cv::StereoSGBM::MODE_SGBM, 5, uniqueness_percent}),
+                      pair.truth_px);
+        if (rival.density <= density) break;
+    }
+    result["density_sgbm"] = rival.density;
+    result["bad2_sgbm"] = rival.bad2_of_answered;
+    result["bad2_at_density"] =
+        bad2_at_density(own.disparity_px, own.sigma_disparity_px, pair.truth_px, rival.density);
+}
+
+}  // namespace
+
+json compare_on_stereo_pairs(const fs::path& middlebury) {
+    if (!fs::exists(middlebury)) return nullptr;
+    const auto pairs = read_middlebury_pairs(middlebury);
+    const auto mean_over_pairs = [&](const auto& match, json* each) {
         double sum = 0.0;
         for (const StereoPair& pair : pairs) {
-            const double share = share_bad(match(pair), pair.truth_px);
+            const double share = score(match(pair), pair.truth_px).bad2_or_missing;
             if (each) (*each)[pair.name] = share;
             sum += share;
         }
         return sum / static_cast<double>(pairs.size());
     };
-    nlohmann::json result = {
+    json result = {
         {"group", "surface"}, {"dive", "middlebury"}, {"preset", "standard"}, {"ablation", "none"}};
-    const double own = mean_over_pairs(match_own, &result["pairs"]);
+    const double own = mean_over_pairs(
+        [](const StereoPair& pair) { return match_own(pair).disparity_px; }, &result["pairs"]);
     double best = 1.0;
-    for (const auto& [name, mode] : kModes)
+    for (const auto& [name, mode] : opencv_modes())
         for (const bool checked : {true, false})
             for (const int block : {3, 5}) {
-                const OpenCvVariant variant{mode, block, checked};
+                const OpenCvVariant variant{mode, block, checked ? 5 : -1};
                 const double share = mean_over_pairs(
                     [&](const StereoPair& pair) { return match_opencv(pair, variant); }, nullptr);
                 auto& min_share = result[name][checked ? "checked" : "unchecked"];
@@ -146,6 +117,26 @@ nlohmann::json compare_on_stereo_pairs(const fs::path& middlebury) {
             }
     result["figures"] = {
         {"bad2_or_missing", own}, {"bad2_or_missing_opencv", best}, {"bad2_to_opencv", own / best}};
+    return result;
+}
+
+json compare_under_conditions(const fs::path& middlebury) {
+    if (!fs::exists(middlebury)) return nullptr;
+    json result = json::array();
+    for (const StereoPair& original : read_middlebury_pairs(middlebury))
+        for (const ImageCondition& condition : image_conditions()) {
+            const StereoPair pair = changed(original, condition);
+            const types::DepthMap own = match_own(pair);
+            const DisparityScore of_own = score(own.disparity_px, pair.truth_px);
+            json each = {{"pair", pair.name},
+                         {"condition", condition.name},
+                         {"density", of_own.density},
+                         {"bad2_or_missing", of_own.bad2_or_missing},
+                         {"bad2_or_missing_opencv", best_of_opencv(pair)},
+                         {"bad2_of_answered", of_own.bad2_of_answered}};
+            compare_at_equal_density(pair, own, each);
+            result.push_back(std::move(each));
+        }
     return result;
 }
 

@@ -13,4 +13,9 @@ namespace divemesh::bench {
 // with its checks (uniqueness 5 %, left-right) and without. Nothing where the pairs are absent.
 nlohmann::json compare_on_stereo_pairs(const std::filesystem::path& middlebury);
 
+// The same for every condition of the images and each pair by itself: ours, OpenCV's best, and
+// bad-2.0 of the answered beside MODE_SGBM with its checks (uniqueness 10 %) at the same density,
+// the less dense of both; of ours the pixels with the smallest sigmas.
+nlohmann::json compare_under_conditions(const std::filesystem::path& middlebury);
+
 }  // namespace divemesh::bench

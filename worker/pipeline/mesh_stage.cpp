@@ -8,6 +8,8 @@
 namespace divemesh::pipeline {
 namespace {
 
+constexpr int kNumCoverageImages = 10;
+
 Surface simplified(types::Mesh mesh, const ReconstructionOptions& options) {
     if (options.simplify >= 1.0 || mesh.triangles.empty()) return {std::move(mesh), std::nullopt};
     types::Mesh fewer = mesh::simplify_mesh(mesh, {options.simplify, options.simplify_error_m});
@@ -38,7 +40,11 @@ void finish_mesh(Reconstruction& made) {
     made.cloud_writer.wait();
     made.volume.reset();
     made.mesh_writer.run([&made] { io::write_ply(made.artifact("mesh.ply"), made.surface.mesh); });
-    made.border_finder.run([&made] { made.borders = mesh::find_borders(made.surface.mesh); });
+    made.border_finder.run([&made] {
+        made.borders = mesh::find_borders(made.surface.mesh);
+        made.coverage = mesh::image_coverage(
+            made.surface.mesh, made.optimised.rig, made.optimised.keyframes, kNumCoverageImages);
+    });
 }
 
 }  // namespace divemesh::pipeline

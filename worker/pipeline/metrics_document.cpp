@@ -297,6 +297,12 @@ json mesh(const MeshMetrics& metrics) {
                    {"num_octree_points", metrics.cloud.num_octree_points},
                    {"octree_bytes", metrics.cloud.octree_bytes},
                    {"volume_memory_bytes", metrics.volume_memory_bytes}};
+    if (!metrics.coverage.empty()) {
+        result["covered_share"] = mesh::mean_covered_share(metrics.coverage);
+        for (const mesh::ImageCoverage& image : metrics.coverage)
+            result["covered_images"].push_back(
+                {{"timestamp_ns", image.timestamp_ns}, {"share", image.covered_share}});
+    }
     if (metrics.simplification)
         result["simplification"] = {
             {"num_triangles_before", metrics.simplification->num_triangles_before},

@@ -14,6 +14,7 @@
 #include "worker/evaluation/imu_check.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
 #include "worker/markers/marker_metrics.hpp"
+#include "worker/mesh/image_coverage.hpp"
 #include "worker/mesh/mesh_borders.hpp"
 #include "worker/mesh/simplify_mesh.hpp"
 #include "worker/pipeline/cloud_metrics.hpp"
@@ -32,6 +33,7 @@ struct MeshMetrics {
     std::int64_t num_triangles = 0;
     double area_m2 = 0.0;
     mesh::MeshBorders borders;
+    std::vector<mesh::ImageCoverage> coverage;
     std::optional<mesh::SimplificationError> simplification;  // nullopt: not simplified
     double voxel_m = 0.0;
     CloudMetrics cloud;

@@ -16,6 +16,7 @@
 #include "worker/markers/locate_markers.hpp"
 #include "worker/markers/marker_metrics.hpp"
 #include "worker/markers/world_scale.hpp"
+#include "worker/mesh/image_coverage.hpp"
 #include "worker/mesh/mesh_borders.hpp"
 #include "worker/pipeline/aligned_recording.hpp"
 #include "worker/pipeline/reconstruct.hpp"
@@ -78,7 +79,9 @@ struct Reconstruction {
 
     // mesh
     Surface surface;
-    mesh::MeshBorders borders;  // valid after border_finder.wait(), which texture calls
+    // These two are valid after border_finder.wait(), which texture calls.
+    mesh::MeshBorders borders;
+    std::vector<mesh::ImageCoverage> coverage;
 
     // texture
     std::string thumbnail_png;
@@ -89,8 +92,8 @@ struct Reconstruction {
     std::vector<StageTime> stages;  // finished stages
 
     // Background tasks: the cloud is written during meshing, the mesh while its images are made,
-    // and its borders are found meanwhile. Declared last, so that they end before the data that
-    // they read is destroyed.
+    // and its borders and coverage are found meanwhile. Declared last, so that they end before the
+    // data that they read is destroyed.
     base::TaskPool task_pool;
     base::BackgroundTask cloud_writer{task_pool};
     base::BackgroundTask mesh_writer{task_pool};

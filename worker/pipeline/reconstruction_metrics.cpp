@@ -40,6 +40,7 @@ std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
                        .num_triangles = std::ssize(mesh.triangles),
                        .area_m2 = evaluation::surface_area_m2(mesh),
                        .borders = made.borders,
+                       .coverage = made.coverage,
                        .simplification = made.surface.simplification,
                        .voxel_m = made.voxel_m,
                        .cloud = made.cloud,

@@ -34,6 +34,7 @@ std::vector<Offset> census_pattern() {
 void census(const cv::Mat& image,
             CensusKernel kernel,
             bool mirrored,
+            int tolerance,
             std::size_t num_behind,
             std::vector<std::uint8_t>* planes) {
     static const std::vector<Offset> kPattern = census_pattern();
@@ -51,7 +52,7 @@ void census(const cv::Mat& image,
             const std::uint8_t* neighbours[8];
             for (int k = 0; k < 8; ++k) neighbours[k] = at(y, kPattern[p * 8 + k]);
             std::uint8_t* row = planes[p].data() + static_cast<std::size_t>(y) * image.cols;
-            kernel(at(y, {0, 0}), neighbours, image.cols, row);
+            kernel(at(y, {0, 0}), neighbours, image.cols, tolerance, row);
         }
     }
 }
@@ -69,16 +70,18 @@ cv::Mat CensusSgm::compute(const cv::Mat& left, const cv::Mat& right) {
 
 cv::Mat CensusSgm::compute(const cv::Mat& left,
                            const cv::Mat& right,
-                           const types::DisparityRange& range) {
+                           const types::DisparityRange& range,
+                           int tolerance) {
     first_disparity_ = range.first_px;
     num_disparities_ = (range.num_px + 31) / 32 * 32;
     cv::Mat disparity(left.size(), CV_32F, cv::Scalar(0.0));
     if (left.cols <= kRadiusX_px || left.rows <= kRadiusY_px) return disparity;
     prepare(left);
-    census(left, kernels_.census, false, 0, left_census_);
+    census(left, kernels_.census, false, tolerance, 0, left_census_);
     census(right,
            kernels_.census,
            true,
+           tolerance,
            static_cast<std::size_t>(first_disparity_ + num_disparities_) + kMaxVectorBytes,
            right_census_);
     for (int y = 0; y < left.rows; y += kRowsAtOnce) {

@@ -14,8 +14,12 @@ namespace divemesh::stereo {
 // along five paths: from the left, from the right and from the three pixels above. All five end in
 // the current row, so one sweep down the image needs one row of costs per path and no cost volume.
 // P2 is lower where the grey value changes. Winners pass a uniqueness check and a left-right check.
+// Grey values that differ by less than a tolerance count as equal, so that a surface without
+// texture costs the same at every disparity and gets that of its edges, not one drawn by noise.
 class CensusSgm {
 public:
+    static constexpr int kMinTolerance = 1;  // rounding to grey values
+
     // `num_disparities` is at most 512 and is rounded up to a multiple of 32.
     explicit CensusSgm(int num_disparities,
                        base::Instructions instructions = base::best_instructions());
@@ -23,8 +27,11 @@ public:
     // Returns the disparity of the left image of a rectified pair (CV_8UC1), CV_32F, px; 0:
     // unknown; negative: an unconfirmed winner, in whole pixels.
     cv::Mat compute(const cv::Mat& left, const cv::Mat& right);
-    // The same within a range; its number is rounded up likewise.
-    cv::Mat compute(const cv::Mat& left, const cv::Mat& right, const types::DisparityRange& range);
+    // The same within a range; its number is rounded up likewise. `tolerance` is in grey values.
+    cv::Mat compute(const cv::Mat& left,
+                    const cv::Mat& right,
+                    const types::DisparityRange& range,
+                    int tolerance = kMinTolerance);
 
 private:
     static constexpr int kRowsAtOnce = 2;  // per call of a kernel

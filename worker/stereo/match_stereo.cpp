@@ -1,5 +1,6 @@
 #include "worker/stereo/match_stereo.hpp"
 
+#include <algorithm>
 #include <functional>
 #include <opencv2/calib3d.hpp>
 #include <optional>
@@ -7,9 +8,13 @@
 #include "worker/stereo/block_matcher.hpp"
 #include "worker/stereo/census_sgm.hpp"
 #include "worker/stereo/coarse_disparity_search.hpp"
+#include "worker/stereo/disparity_doubt.hpp"
 #include "worker/stereo/disparity_sigma.hpp"
+#include "worker/stereo/matching_images.hpp"
 #include "worker/stereo/refine_disparity.hpp"
+#include "worker/stereo/sgm_kernels.hpp"
 #include "worker/stereo/speckles.hpp"
+#include "worker/stereo/weak_surface.hpp"
 
 namespace divemesh::stereo {
 namespace {
@@ -23,13 +28,20 @@ void remove_islands(types::DepthMap& depth) {
     remove_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
 }
 
-// Refines the disparity, and removes islands that remain after the refinement or that it made by
-// removing pixels without texture.
-void refine(const types::RectifiedFrame& frame, DisparityRefiner& refiner, types::DepthMap& depth) {
+// Refines the disparity, removes islands that remain after the refinement or that it made by
+// removing pixels without texture, and adds what lies between measured surface.
+void refine(const types::RectifiedFrame& frame,
+            DisparityRefiner& refiner,
+            WeakSurface& weak,
+            types::DepthMap& depth) {
     unconfirm_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
+    const cv::Mat winners_px = depth.disparity_px.clone();
     depth.sigma_disparity_px =
         cv::max(refiner.refine(frame.left, frame.right, depth.disparity_px), kMinSigma_px);
     remove_islands(depth);
+    remove_unsupported(depth.disparity_px, depth.sigma_disparity_px, {}, kMaxStep_px);
+    add_doubt(winners_px, depth.sigma_disparity_px);
+    weak.add(winners_px, depth.disparity_px, depth.sigma_disparity_px);
 }
 
 void rate_by_texture(const types::RectifiedFrame& frame, types::DepthMap& depth) {
@@ -61,24 +73,34 @@ private:
 }  // namespace
 
 struct StereoMatcher::Implementation {
-    explicit Implementation(int num_disparities)
-        : num_disparities_px(num_disparities), survey(num_disparities) {}
+    explicit Implementation(int num_disparities) : num_disparities_px(num_disparities) {}
+
+    // Makes the survey at the first frame, which tells the size of the images.
+    CoarseDisparitySearch& survey_of(int limit_px) {
+        if (!survey || surveyed_px != limit_px) survey.emplace(limit_px);
+        surveyed_px = limit_px;
+        return *survey;
+    }
 
     int num_disparities_px;
-    CoarseDisparitySearch survey;
+    std::optional<CoarseDisparitySearch> survey;
+    int surveyed_px = 0;
     bool searches_within_range = false;
     std::function<void(const types::RectifiedFrame& frame,
                        const types::DisparityRange& range,
                        types::DepthMap& depth)>
         compute;
     std::optional<DisparityRefiner> refiner;
+    WeakSurface weak;
 
     void use_sgm() {
         searches_within_range = true;
         compute = [matcher = CensusSgm(num_disparities_px)](const types::RectifiedFrame& frame,
                                                             const types::DisparityRange& range,
                                                             types::DepthMap& depth) mutable {
-            depth.disparity_px = matcher.compute(frame.left, frame.right, range);
+            const MatchingImages images = matching_images(frame);
+            depth.disparity_px =
+                matcher.compute(images.left, images.right, range, images.tolerance);
         };
         refiner.emplace();
     }
@@ -111,18 +133,30 @@ types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame,
                                      const types::DisparityRange& range) {
     types::DepthMap depth;
     auto& own = *implementation_;
-    const auto surveyed = own.survey.survey(frame.left, frame.right);
+    const int limit_px = own.searches_within_range
+                             ? max_disparities_px(own.num_disparities_px, frame.left.cols)
+                             : own.num_disparities_px;
+    const auto surveyed = own.survey_of(limit_px).survey(frame.left, frame.right);
     const types::DisparityRange searched = own.searches_within_range
-                                               ? widen(range, surveyed, own.num_disparities_px)
-                                               : types::DisparityRange{0, own.num_disparities_px};
+                                               ? widen(range, surveyed, limit_px)
+                                               : types::DisparityRange{0, limit_px};
     depth.search = outcome_of(searched, surveyed);
     own.compute(frame, searched, depth);
     if (own.refiner)
-        refine(frame, *own.refiner, depth);
+        refine(frame, *own.refiner, own.weak, depth);
     else
         rate_by_texture(frame, depth);
     depth.sigma_disparity_px.setTo(0.0, depth.disparity_px <= 0.0);
     return depth;
+}
+
+int max_disparities_px(int num_disparities_px, int width_px) {
+    constexpr int kLargeWidth_px = 832;
+    constexpr double kShareOfWidth = 0.27;
+    constexpr int kStep_px = 64;
+    if (width_px <= kLargeWidth_px) return num_disparities_px;
+    const int wide = static_cast<int>(kShareOfWidth * width_px) / kStep_px * kStep_px;
+    return std::max(num_disparities_px, std::min(kMaxDisparities, wide));
 }
 
 }  // namespace divemesh::stereo

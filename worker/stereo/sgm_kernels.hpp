@@ -7,10 +7,10 @@
 
 namespace divemesh::stereo {
 
-inline constexpr int kOutsideCost = 200;     // of a path outside the range: never the min
-inline constexpr int kSmallStepPenalty = 6;  // P1
-inline constexpr int kMaxStepPenalty = 60;   // P2 where the grey value is constant
-inline constexpr int kMinStepPenalty = 20;   // P2 across an edge
+inline constexpr int kOutsideCost = 210;     // of a path outside the range: never the min
+inline constexpr int kSmallStepPenalty = 8;  // P1
+inline constexpr int kMaxStepPenalty = 80;   // P2 where the grey value is constant
+inline constexpr int kMinStepPenalty = 25;   // P2 across an edge
 inline constexpr int kNumCensusBits = 32;
 inline constexpr int kUniqueness_percent = 5;
 inline constexpr int kMaxDisparities = 512;
@@ -76,10 +76,13 @@ using BackwardKernel = void (*)(const BackwardRow* rows, int num_rows);
 // the image.
 using SubpixelKernel = void (*)(const WinnerRow& row, float* disparity_px);
 // Computes one byte plane of a row's census: bit k is 1 if the k-th neighbour is at least as bright
-// as the centre.
+// as the centre plus `tolerance` (k even) or minus it (k odd). Opposite neighbours differ in k by
+// an odd number, so differences within the tolerance give the same bits everywhere and noise costs
+// nothing.
 using CensusKernel = void (*)(const std::uint8_t* center,
                               const std::uint8_t* const* neighbours,
                               int num,
+                              int tolerance,
                               std::uint8_t* plane);
 
 // Computes P2 for `num` pairs of neighbours from their grey values.

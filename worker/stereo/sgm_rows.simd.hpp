@@ -4,19 +4,29 @@
 void census(const std::uint8_t* center,
             const std::uint8_t* const* neighbours,
             int num,
+            int tolerance,
             std::uint8_t* plane) {
     const int first_rest = num >= kBytes ? num : 0;
     for (int start = 0; start < first_rest; start += kBytes) {
         const int x = std::min(start, num - kBytes);  // the last vector overlaps the one before
         const V c = load(center + x);
+        const V limits[2] = {add_saturated(c, broadcast(tolerance)),
+                             subtract(c, min(c, broadcast(tolerance)))};
         V bits = broadcast(0);
-        for (int k = 0; k < 8; ++k)
-            bits = add(bits, broadcast_where_equal(min(load(neighbours[k] + x), c), c, 1 << k));
+        for (int k = 0; k < 8; ++k) {
+            const V limit = limits[k & 1];
+            bits = add(bits,
+                       broadcast_where_equal(min(load(neighbours[k] + x), limit), limit, 1 << k));
+        }
         store(plane + x, bits);
     }
     for (int x = first_rest; x < num; ++x) {
         int bits = 0;
-        for (int k = 0; k < 8; ++k) bits |= (neighbours[k][x] >= center[x] ? 1 : 0) << k;
+        for (int k = 0; k < 8; ++k) {
+            const int limit = (k & 1) != 0 ? std::max(0, center[x] - tolerance)
+                                           : std::min(255, center[x] + tolerance);
+            bits |= (neighbours[k][x] >= limit ? 1 : 0) << k;
+        }
         plane[x] = static_cast<std::uint8_t>(bits);
     }
 }
@@ -39,7 +49,7 @@ void penalties(const std::uint8_t* __restrict a,
 
 // The cost behind the last disparity, where the vectors are longer: too large to be chosen from any
 // path, and small enough for a byte.
-constexpr int kBehindRange = 140;
+constexpr int kBehindRange = 120;
 static_assert(kNumCensusBits + kMaxStepPenalty < kBehindRange);
 static_assert(kBehindRange + kMaxStepPenalty <= kOutsideCost);
 

@@ -64,37 +64,58 @@ void join_runs(const cv::Mat& disparity_px,
     }
 }
 
-// Calls change(first disparity, number of them) for each run of a small island.
-template <typename Change>
+// Calls change(first disparity, number of them) for each run of a small island. The size of an
+// island is the sum of weigh(row, run) over its runs.
+template <typename Weigh, typename Change>
 void for_each_speckle(cv::Mat& disparity_px,
-                      int min_pixels,
+                      std::int32_t min_size,
                       float max_step_px,
+                      const Weigh& weigh,
                       const Change& change) {
     const Runs runs = find_runs(disparity_px, max_step_px);
     base::DisjointSets sets(runs.all.size());
     for (int y = 1; y < disparity_px.rows; ++y) join_runs(disparity_px, max_step_px, runs, y, sets);
-    std::vector<std::int32_t> size(runs.all.size(), 0);
-    for (std::size_t i = 0; i < runs.all.size(); ++i)
-        size[sets.find(i)] += runs.all[i].end - runs.all[i].begin;
+    std::vector<std::int64_t> size(runs.all.size(), 0);
     for (int y = 0; y < disparity_px.rows; ++y)
         for (std::size_t i = runs.first_of_row[y]; i < runs.first_of_row[y + 1]; ++i)
-            if (size[sets.find(i)] < min_pixels)
+            size[sets.find(i)] += weigh(y, runs.all[i]);
+    for (int y = 0; y < disparity_px.rows; ++y)
+        for (std::size_t i = runs.first_of_row[y]; i < runs.first_of_row[y + 1]; ++i)
+            if (size[sets.find(i)] < min_size)
                 change(disparity_px.ptr<float>(y) + runs.all[i].begin,
                        runs.all[i].end - runs.all[i].begin);
 }
 
+std::int32_t num_pixels(int /*y*/, const Run& run) { return run.end - run.begin; }
+
+void remove_run(float* first, int num) { std::fill_n(first, num, 0.0F); }
+
 }  // namespace
 
 void remove_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px) {
-    for_each_speckle(disparity_px, min_pixels, max_step_px, [](float* first, int num) {
-        std::fill_n(first, num, 0.0F);
-    });
+    for_each_speckle(disparity_px, min_pixels, max_step_px, num_pixels, remove_run);
+}
+
+void remove_unsupported(cv::Mat& disparity_px,
+                        const cv::Mat& sigma_px,
+                        const IslandSupport& min_support,
+                        float max_step_px) {
+    const std::int32_t of_certain = min_support.num_pixels / min_support.num_certain;
+    const auto weigh = [&](int y, const Run& run) {
+        const float* sigmas = sigma_px.ptr<float>(y);
+        std::int32_t sum = 0;
+        for (std::int32_t x = run.begin; x < run.end; ++x)
+            sum += sigmas[x] < min_support.certain_px ? of_certain : 1;
+        return std::min(sum, min_support.num_pixels);
+    };
+    for_each_speckle(disparity_px, min_support.num_pixels, max_step_px, weigh, remove_run);
 }
 
 void unconfirm_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px) {
-    for_each_speckle(disparity_px, min_pixels, max_step_px, [](float* first, int num) {
+    const auto unconfirm = [](float* first, int num) {
         for (int i = 0; i < num; ++i) first[i] = -first[i];
-    });
+    };
+    for_each_speckle(disparity_px, min_pixels, max_step_px, num_pixels, unconfirm);
 }
 
 }  // namespace divemesh::stereo

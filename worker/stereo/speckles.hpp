@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <opencv2/core/mat.hpp>
 
 namespace divemesh::stereo {
@@ -10,5 +11,18 @@ void remove_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px);
 
 // The same, but makes them negative, i.e. unconfirmed winners of a matcher.
 void unconfirm_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px);
+
+// What tells a surface from a match by chance, which is an island too, and may be as large.
+struct IslandSupport {
+    float certain_px = 0.17F;        // a smaller sigma is that of visible texture
+    std::int32_t num_certain = 40;   // pixels, of visible texture
+    std::int32_t num_pixels = 2000;  // or so many of any texture
+};
+
+// Sets the disparities of islands with less support to 0.
+void remove_unsupported(cv::Mat& disparity_px,
+                        const cv::Mat& sigma_px,
+                        const IslandSupport& min_support,
+                        float max_step_px);
 
 }  // namespace divemesh::stereo

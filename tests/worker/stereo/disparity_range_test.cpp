@@ -138,6 +138,21 @@ TEST(StereoMatcher, TellsWhatIsTooNearForAllItSearches) {
                 0.12);
 }
 
+// A surface at 200 px in an image of 1280 px is as near as one at 100 px in 640.
+TEST(StereoMatcher, SearchesLargeImagesAsNearAsSmallOnes) {
+    EXPECT_EQ(max_disparities_px(128, 640), 128);
+    EXPECT_EQ(max_disparities_px(128, 1280), 320);
+    EXPECT_EQ(max_disparities_px(128, 1920), 512);
+    EXPECT_EQ(max_disparities_px(256, 640), 256);
+    const auto near_block = [](double x, double) { return x > 500.0 && x < 900.0 ? 200.0 : 40.0; };
+    const WarpedPair pair = make_warped_pair(near_block, {.width_px = 1280, .height_px = 240});
+    const types::DepthMap depth =
+        StereoMatcher("sgm", 128).match({0, 0, pair.left, pair.right}, {0, 128});
+    EXPECT_EQ(depth.search.num_too_near, 0);
+    const cv::Mat found = cv::abs(depth.disparity_px(cv::Rect(520, 10, 360, 220)) - 200.0F) < 1.0F;
+    EXPECT_GT(cv::countNonZero(found), 360 * 220 * 9 / 10);
+}
+
 TEST(CensusSgm, EveryInstructionSetGivesTheSameWithinARange) {
     const WarpedPair pair = make_warped_pair(slanted);
     const auto within = [&](base::Instructions set) {

@@ -9,9 +9,9 @@
 namespace divemesh::stereo {
 namespace {
 
-constexpr int kSmallStep = 6;  // P1
+constexpr int kSmallStep = 8;  // P1
 constexpr int kMaxCost = 255;
-constexpr int kOutside = 200;  // cost of a path outside the range
+constexpr int kOutside = 210;  // cost of a path outside the range
 constexpr int kBits = 32;
 
 // One cost per pixel and disparity.
@@ -33,39 +33,45 @@ struct CostVolume {
 
 int mirrored(int i, int num) { return i < 0 ? -i : i >= num ? 2 * (num - 1) - i : i; }
 
-// Returns the census bits: each is set if a neighbour is at least as bright as the centre. The
-// neighbours are the chequerboard of the 9 x 7 window and its upper right and lower left corners.
-// The image is mirrored beyond its border.
-std::bitset<kBits> signature(const cv::Mat& image, int x, int y) {
+// Returns the census bits: each is set if a neighbour is at least as bright as the centre plus or
+// minus the tolerance. The neighbours are the chequerboard of the 9 x 7 window, plus and minus in
+// turns, its upper right corner (plus) and its lower left one (minus). The image is mirrored beyond
+// its border.
+std::bitset<kBits> signature(const cv::Mat& image, int x, int y, int tolerance) {
     std::bitset<kBits> bits;
-    const int center = image.at<std::uint8_t>(y, x);
     std::size_t bit = 0;
+    const auto compare = [&](int dx, int dy) {
+        const int center = image.at<std::uint8_t>(y, x);
+        const int limit =
+            bit % 2 == 0 ? std::min(255, center + tolerance) : std::max(0, center - tolerance);
+        bits[bit++] = image.at<std::uint8_t>(mirrored(y + dy, image.rows),
+                                             mirrored(x + dx, image.cols)) >= limit;
+    };
     for (int dy = -3; dy <= 3; ++dy)
-        for (int dx = -4; dx <= 4; ++dx) {
-            const bool on_board = (dx + dy) % 2 == 0 && (dx != 0 || dy != 0);
-            const bool in_corner = (dx == 4 && dy == -3) || (dx == -4 && dy == 3);
-            if (on_board || in_corner)
-                bits[bit++] = image.at<std::uint8_t>(mirrored(y + dy, image.rows),
-                                                     mirrored(x + dx, image.cols)) >= center;
-        }
+        for (int dx = -4; dx <= 4; ++dx)
+            if ((dx + dy) % 2 == 0 && (dx != 0 || dy != 0)) compare(dx, dy);
+    compare(4, -3);
+    compare(-4, 3);
     return bits;
 }
 
-CostVolume matching_costs(const cv::Mat& left, const cv::Mat& right, int range) {
+CostVolume matching_costs(const cv::Mat& left, const cv::Mat& right, int range, int tolerance) {
     CostVolume costs(left.size(), range);
     for (int y = 0; y < left.rows; ++y)
         for (int x = 0; x < left.cols; ++x) {
-            const auto bits = signature(left, x, y);
+            const auto bits = signature(left, x, y, tolerance);
             for (int d = 0; d < range; ++d)
                 costs.at(x, y, d) =
-                    d > x ? kBits : static_cast<int>((bits ^ signature(right, x - d, y)).count());
+                    d > x
+                        ? kBits
+                        : static_cast<int>((bits ^ signature(right, x - d, y, tolerance)).count());
         }
     return costs;
 }
 
 int large_step(const cv::Mat& image, cv::Point a, cv::Point b) {  // P2
     const int step = std::abs(image.at<std::uint8_t>(a) - image.at<std::uint8_t>(b));
-    return std::max(20, 60 * 12 / (12 + step));
+    return std::max(25, 80 * 12 / (12 + step));
 }
 
 // Adds the costs along the path that comes to a pixel from `from`: Hirschmueller 2008, eq. 14.
@@ -137,8 +143,11 @@ float between(int before, int at, int after, int d) {
 
 }  // namespace
 
-cv::Mat reference_sgm(const cv::Mat& left, const cv::Mat& right, int num_disparities) {
-    const CostVolume costs = matching_costs(left, right, num_disparities);
+cv::Mat reference_sgm(const cv::Mat& left,
+                      const cv::Mat& right,
+                      int num_disparities,
+                      int tolerance) {
+    const CostVolume costs = matching_costs(left, right, num_disparities, tolerance);
     CostVolume sums(left.size(), num_disparities);
     for (const cv::Point from : {cv::Point(-1, 0), {1, 0}, {-1, -1}, {0, -1}, {1, -1}})
         add_path(left, costs, from, sums);

@@ -7,6 +7,9 @@ namespace divemesh::stereo {
 // Returns the disparities by the definition of CensusSgm, over whole cost volumes, pixel by pixel
 // in plain integers: slow, and without code in common with the kernels. Negative: a check did not
 // confirm the winner.
-cv::Mat reference_sgm(const cv::Mat& left, const cv::Mat& right, int num_disparities);
+cv::Mat reference_sgm(const cv::Mat& left,
+                      const cv::Mat& right,
+                      int num_disparities,
+                      int tolerance);
 
 }  // namespace divemesh::stereo
