@@ -31,7 +31,7 @@ constexpr int kWidth_px = 480;
 constexpr int kHeight_px = 360;
 constexpr double kStatedTooLong = 1.01;
 
-// A dive over six tags whose calibration states a baseline that is one percent too long.
+// A dive over eight tags whose calibration states a baseline that is one percent too long.
 class MarkedDiveTest : public testing::Test {
 protected:
     static void SetUpTestSuite() {
@@ -42,8 +42,8 @@ protected:
                              .water = simulator::WaterKind::Green,
                              .width_px = kWidth_px,
                              .height_px = kHeight_px,
-                             .num_markers = 6,
-                             .marker_size_m = 0.16});
+                             .num_markers = 8,
+                             .marker_size_m = 0.2});
         const types::Rig rig = markers::WorldScale(kStatedTooLong, Eigen::Isometry3d::Identity())
                                    .applied(simulator::draw_rig(kWidth_px, kHeight_px, 1));
         simulator::write_camera_files(*folder_ / "stated", rig.cam1, rig.T_imu_cam1, 10.0, {});
@@ -211,9 +211,9 @@ std::vector<double> distances_m(const nlohmann::json& markers) {
 }
 
 TEST_F(MarkedDiveTest, ADiveInPiecesIsScaledByOneFactorInEachOfThem) {
-    // A cloud of silt for three seconds: what is seen before and after it does not overlap.
-    constexpr std::size_t kFirstBlank = 28;
-    constexpr std::size_t kAfterBlank = 58;
+    // A cloud of silt for four seconds: what is seen before and after it does not overlap.
+    constexpr std::size_t kFirstBlank = 22;
+    constexpr std::size_t kAfterBlank = 60;
     const fs::path dive = *folder_ / "dive";
     fs::copy(dive, *folder_ / "clear", fs::copy_options::recursive);
     for (const char* camera : {"cam0", "cam1"}) {
