@@ -15,12 +15,6 @@ constexpr double kBackwardError_px = 0.5;
 constexpr double kMinCorrelation = 0.7;
 constexpr double kSameCorrelation = 0.8;  // with the reference patch
 constexpr int kMinCell_px = 8;
-// Cells shrink step by step while there are fewer features than this share of those wanted, and
-// grow again while there are more.
-constexpr double kFew = 0.7;
-constexpr double kMany = 0.95;
-constexpr double kCellStep = 0.85;
-constexpr double kMinCellShare = 2.0 / 3.0;
 constexpr int kBorder_px = 10;           // a patch and one more pixel
 constexpr float kCornerQuality = 0.01F;  // of the best corner of the image
 
@@ -69,7 +63,6 @@ private:
 
 FeatureTracker::FeatureTracker(const types::RectifiedRig& rig, int num_features)
     : rig_(rig),
-      num_features_(num_features),
       cell_px_(std::max(kMinCell_px,
                         static_cast<int>(std::sqrt(rig.width_px * rig.height_px /
                                                    static_cast<double>(num_features))))),
@@ -217,8 +210,7 @@ std::optional<FeatureTracker::Seen> FeatureTracker::track_warped(
 
 types::Features FeatureTracker::detect(const types::Features& present) {
     const cv::Mat& left = current_pyramid_[0];
-    const double share = wide_ ? kMinCellShare : cell_share_;
-    const int cell_px = std::max(kMinCell_px, static_cast<int>(share * cell_px_));
+    const int cell_px = wide_ ? std::max(kMinCell_px, cell_px_ * 2 / 3) : cell_px_;
     const cv::Mat& scores = corner_scores_.of(left);
     double best = 0.0;
     cv::minMaxLoc(scores, nullptr, &best);
@@ -230,15 +222,7 @@ types::Features FeatureTracker::detect(const types::Features& present) {
     types::Features features;
     for (const cv::Point& at : best_of_cells(scores, threshold, kBorder_px, cell_px))
         if (occupancy.take(at.x, at.y)) features.push_back({next_id_++, {at.x, at.y}, 0.0});
-    if (!wide_) adapt_cells(present.size() + features.size());
     return features;
-}
-
-void FeatureTracker::adapt_cells(std::size_t num_features) {
-    const double filled = static_cast<double>(num_features) / num_features_;
-    if (filled < kFew) cell_share_ *= kCellStep;
-    if (filled > kMany) cell_share_ /= kCellStep;
-    cell_share_ = std::clamp(cell_share_, kMinCellShare, 1.0);
 }
 
 }  // namespace divemesh::features

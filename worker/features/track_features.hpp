@@ -49,9 +49,8 @@ public:
                               const types::Features& present);
 
     // Returns new features with new ids where the last image has none: on a grid, the best corner
-    // (Shi and Tomasi) of each cell. The cells become smaller where many of them have no corner, so
-    // that the number of features hardly depends on the scene, and are smaller after track_again(),
-    // as much of what a wide step finds is out of sight after the next.
+    // (Shi and Tomasi) of each cell. After track_again() the cells are smaller, as much of what a
+    // wide step finds is out of sight after the next.
     types::Features detect(const types::Features& present);
 
 private:
@@ -76,12 +75,8 @@ private:
                                    const Patch* reference_patch) const;
 
     types::RectifiedRig rig_;
-    void adapt_cells(std::size_t num_features);
-
-    int num_features_ = 0;
     int cell_px_ = 0;
-    double cell_share_ = 1.0;  // of cell_px_, for new features
-    bool wide_ = false;        // the last image was tracked over a wide baseline
+    bool wide_ = false;  // the last image was tracked over a wide baseline
     std::int64_t next_id_ = 0;
     Pyramid previous_pyramid_;
     Pyramid current_pyramid_;                                             // of the last image
