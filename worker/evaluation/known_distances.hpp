@@ -79,11 +79,10 @@ std::optional<Eigen::Vector3d> triangulate(const std::vector<dive::Mark>& marks,
 // Measures each known distance as in photogrammetry: both ends are marked, triangulated with our
 // poses and subtracted. Both are measured in the segment of the path that has the most marks of
 // them, as nothing is known between two segments, and in frames that show both if four do. Ends
-// given as points are marked by means of
-// `truth`; if it is null they count as not measured. The sigma of a length covers the scatter of
-// the marks, the drift of the path between the times at which its two ends were seen (an end
-// rotates with the path about the place from which it was seen), and the path's scale_sigma of the
-// length.
+// given as points are marked by means of `truth`; if it is null they count as not measured. The
+// sigma of a length covers the scatter of the marks, the drift of the path between the times at
+// which its two ends were seen (an end rotates with the path about the place from which it was
+// seen), and the path's scale_sigma of the length.
 KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistance>& distances,
                                             const MarkingInput* truth,
                                             const types::Rig& rig,

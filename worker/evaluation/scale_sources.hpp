@@ -31,11 +31,11 @@ struct LengthData {
     std::vector<types::ImuSample> imu;  // on the cameras' clock
     std::vector<types::PressureSample> pressure;
     std::optional<ScaleCheck> markers;  // known distances between them
-    // Of measurements.json: between places that are marked in the images, without the error of the
-    // path's scale; and between all.
+    // Lengths of measurements.json between places that are marked in the images; their sigmas leave
+    // out the error of the path's scale.
     KnownDistanceErrors marked_distances;
-    const KnownDistanceErrors* known_distances = nullptr;
-    std::size_t num_segments = 1;  // of the dive
+    const KnownDistanceErrors* known_distances = nullptr;  // all of measurements.json
+    std::size_t num_segments = 1;                          // of the dive
 };
 
 // The scale by all sources, without the error of the cameras' own scale.

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <optional>
 
+#include "worker/optimisation/follow_keyframes.hpp"
+
 namespace divemesh::pipeline {
 namespace {
 
@@ -25,8 +27,7 @@ std::optional<types::Rest> rest_between(const std::vector<types::Rest>& rests,
 }
 
 const Eigen::Isometry3d& pose_at(const types::Trajectory& trajectory, std::int64_t timestamp_ns) {
-    return std::ranges::lower_bound(trajectory, timestamp_ns, {}, &types::StampedPose::timestamp_ns)
-        ->T_world_imu;
+    return trajectory[optimisation::frame_at(trajectory, timestamp_ns)].T_world_imu;
 }
 
 }  // namespace
@@ -40,7 +41,7 @@ std::vector<optimisation::KnownMotion> known_motions(const types::Track& track,
         const types::Keyframe& from = closed.keyframes[k - 1];
         const types::Keyframe& to = closed.keyframes[k];
         if (const auto rest = rest_between(track.rests, from, to)) {
-            // What is measured beside the rest errs as much again.
+            // The short motions beside the rest err as much again.
             motions.push_back({k,
                                pose_at(track.odometry, from.timestamp_ns).inverse() *
                                    pose_at(track.odometry, to.timestamp_ns),

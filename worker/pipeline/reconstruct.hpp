@@ -46,7 +46,7 @@ struct FusedMap {
     std::unique_ptr<fusion::OctreeVolume> cloud;
 };
 
-// What is fused: frames whose depth is in `store`.
+// Frames to fuse; their depth is in `store`.
 struct FramesToFuse {
     const types::RectifiedRig& rig;
     const std::vector<types::Keyframe>& frames;

@@ -36,8 +36,7 @@ bool RestWatch::turns_by_gyroscope(std::int64_t now_ns) const {
 void RestWatch::settle(std::int64_t now_ns) {
     motion_.rest();
     const std::int64_t began_ns = detector_.began_ns();
-    if (rests_.empty() || rests_.back().from_ns != began_ns)
-        rests_.push_back({.from_ns = began_ns});
+    if (rests_.empty() || rests_.back().from_ns != began_ns) rests_.emplace_back();
     rests_.back() = {began_ns, now_ns, detector_.sigma_m(), detector_.sigma_rad()};
     if (now_ns - detector_.began_ns() > kBiasTime_ns) return;
     const Eigen::Quaterniond q_imu_cam(rig_.T_imu_cam.linear());

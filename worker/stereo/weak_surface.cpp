@@ -22,7 +22,7 @@ constexpr float kMinSigma_px = 1.2F;
 constexpr float kSigmaPerDistance = 0.04F;  // bulges between supports
 constexpr float kSigmaPerStep = 0.15F;      // of the disparity between supports
 constexpr float kMaxSigma_px = 3.0F;
-// Of a gap so small that it is filled whatever its winners.
+// A gap as small as this is filled whatever its winners.
 constexpr float kClose_px = 1.5F * kBlock_px;
 constexpr int kMinClose = 3;
 constexpr float kMaxUneven_px = 0.7F;
