@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/base/lanes.hpp"
+#include "worker/fusion/close_pinholes.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::fusion {
@@ -14,9 +15,9 @@ namespace {
 constexpr float kMaxSlope = 1.0F;    // of disparity per pixel; steeper is a discontinuity
 constexpr int kReach_px = 4;         // of the gradient's pixels, at full sampling
 constexpr float kMaxBend_px = 1.0F;  // of the disparity over that reach
-constexpr float kDeadRim_px = 2.0F;
+constexpr float kDeadRim_px = 1.0F;
 constexpr float kFullWeight_px = 5.0F;  // distance from a discontinuity or unknown pixel
-constexpr float kMinCosine = 0.15F;     // of the angle of incidence
+constexpr float kMinCosine = 0.04F;     // of the angle of incidence
 
 DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
                                       const float* __restrict row,
@@ -276,10 +277,11 @@ DepthView::DepthView(const types::RectifiedRig& rig,
         return;
     const Kernels kernels{base::compiled_for<mark_inside>(instructions),
                           base::compiled_for<fit_planes>(instructions)};
-    DepthImage image{images.depth.disparity_px,
-                     images.depth.sigma_disparity_px,
-                     distance_from_rim(images.depth.disparity_px, kernels),
-                     images.left_color};
+    cv::Mat disparity_px = images.depth.disparity_px.clone();
+    cv::Mat sigma_px = images.depth.sigma_disparity_px.clone();
+    close_pinholes(disparity_px, sigma_px);
+    DepthImage image{
+        disparity_px, sigma_px, distance_from_rim(disparity_px, kernels), images.left_color};
     if (sampling == Sampling::Half) image = halved(image);
     const Optics optics{static_cast<float>(rig_.focal_px),
                         static_cast<float>(rig_.focal_px * rig_.baseline_m),

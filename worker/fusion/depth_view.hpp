@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "worker/base/instructions.hpp"
@@ -18,7 +19,10 @@ struct alignas(32) SurfacePixel {
     float sigma_disparity_px = 0.0F;
     float depth_m = 0.0F;
     float weight = 0.0F;  // 0: unknown; falls at grazing angles and toward depth discontinuities
-    std::uint32_t color = 0;  // red, green and blue from bit 16 down
+    std::uint32_t color = 0;  // red, green and blue from bit 16 down; kUnshared
+
+    // The bit in `color` of a surface that no other frame has in sight (unshared_depth.hpp).
+    static constexpr std::uint32_t kUnshared = 1U << 24;
 };
 
 // Full: every pixel. Half: one for every 2 x 2 pixels, their mean if all four see one surface.
@@ -46,6 +50,10 @@ public:
     const types::RectifiedRig& rig() const { return rig_; }
     const SurfacePixel& pixel(int u_px, int v_px) const {
         return pixels_[static_cast<std::size_t>(v_px) * rig_.width_px + u_px];
+    }
+    std::span<SurfacePixel> row(int v_px) {
+        const auto width = static_cast<std::size_t>(rig_.width_px);
+        return {pixels_.data() + v_px * width, width};
     }
     const SurfacePixel* pixels() const { return pixels_.data(); }  // row by row
     int step_px() const { return step_px_; }                       // keyframe pixels per pixel

@@ -15,9 +15,14 @@ inline constexpr float kDistanceSteps = 2048.0F;
 struct TsdfBlock {
     std::array<std::int16_t, kBlockSamples> distance{};  // in 1 / kDistanceSteps voxels
     std::array<std::uint16_t, kBlockSamples> weight{};   // sum of 1 / variance
-    // views that saw the surface near the sample
-    std::array<std::uint16_t, kBlockSamples> num_views{};
+    // Views that saw the surface near the sample, up to kMaxViews, and kUnshared.
+    std::array<std::uint16_t, kBlockSamples> views{};
     std::array<std::uint32_t, kBlockSamples> color{};  // red, green, blue; 0: no colour
+
+    static constexpr std::uint16_t kMaxViews = 0x7fff;
+    static constexpr std::uint16_t kUnshared = 0x8000;  // one view saw it where no other looked
+    std::uint32_t num_views(int sample) const { return views[sample] & kMaxViews; }
+    bool is_unshared(int sample) const { return (views[sample] & kUnshared) != 0; }
 };
 static_assert(sizeof(TsdfBlock) == std::size_t{10} * kBlockSamples);
 

@@ -16,6 +16,7 @@ constexpr int kAllocationStep_px = 2;
 constexpr float kMaxStep_voxels = 6.0F;        // max spacing of rays that hit every block
 constexpr float kMinDisparitySigma_px = 0.1F;  // lower bound of all stated values
 constexpr float kMaxSigma_voxels = 6.0F;       // of a depth that may make surface
+constexpr float kMaxFusedSigma_voxels = 5.0F;  // of a sample that is surface
 // Max distance of a confirmed point from the surface. Where as many views looked through the point
 // as saw a surface, the zero is farther away.
 constexpr float kConfirmed_voxels = 1.5F;
@@ -23,6 +24,12 @@ constexpr std::uint32_t kBlocksPerTrim = 4096;
 
 float sigma_z(const TsdfView& view, float z, float sigma_disparity_px) {
     return z * z * (sigma_disparity_px * view.depth_sigma_scale);
+}
+
+// Returns the weight of a sample with the largest sigma that surface may have.
+float min_weight(double voxel_m) {
+    const auto sigma_m = kMaxFusedSigma_voxels * static_cast<float>(voxel_m);
+    return 1.0F / (sigma_m * sigma_m);
 }
 
 float truncation_m(const TsdfView& view, float sigma) {
@@ -95,7 +102,9 @@ int allocation_step_px(const TsdfView& view) {
 }  // namespace
 
 TsdfVolume::TsdfVolume(VolumeSettings settings)
-    : Volume(std::move(settings)), samples_(settings_.spill) {}
+    : Volume(std::move(settings)),
+      min_weight_(min_weight(settings_.voxel_m)),
+      samples_(settings_.spill) {}
 
 void TsdfVolume::add(const types::Keyframe& keyframe, const DepthView& depth) {
     const TsdfView view = view_of(keyframe, depth, settings_);
@@ -159,6 +168,11 @@ const TsdfBlock& TsdfVolume::block(std::uint32_t number) const {
     return *std::launder(reinterpret_cast<const TsdfBlock*>(samples_.read(blocks_[number])));
 }
 
+bool TsdfVolume::is_confirmed(const TsdfBlock& samples, int i) const {
+    return (samples.num_views(i) >= std::min(kMinViews, num_views_) || samples.is_unshared(i)) &&
+           unpack_weight(samples.weight[i]) >= min_weight_;
+}
+
 const TsdfBlock* TsdfVolume::find(const BlockCoordinate& coordinate) const {
     const auto entry = index_.find(coordinate);
     return entry == index_.end() ? nullptr : &block(entry->second);
@@ -175,7 +189,7 @@ void TsdfVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t*
             samples = find(here);
         }
         const int i = index_in_block(sample);
-        *out++ = samples != nullptr && samples->num_views[i] >= min_views() &&
+        *out++ = samples != nullptr && is_confirmed(*samples, i) &&
                  std::abs(static_cast<float>(samples->distance[i])) < kMaxDistanceSteps;
     }
 }
@@ -184,9 +198,7 @@ void TsdfVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t*
 class TsdfField : public SignedDistanceField {
 public:
     explicit TsdfField(const TsdfVolume& volume)
-        : volume_(volume),
-          min_views_(volume.min_views()),
-          step_m_(static_cast<float>(volume.voxel_m()) / kDistanceSteps) {
+        : volume_(volume), step_m_(static_cast<float>(volume.voxel_m()) / kDistanceSteps) {
         order_.resize(volume.blocks_.size());
         std::iota(order_.begin(), order_.end(), 0U);
         std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -213,20 +225,18 @@ public:
         for (int channel = 0; channel < 3 && color != 0; ++channel)
             attributes.color[channel] = unpack_grey(color, channel);
         attributes.sigma_m = weight > 0.0F ? 1.0F / std::sqrt(weight) : 0.0F;
-        attributes.num_observations = samples.num_views[sample];
+        attributes.num_observations = samples.num_views(sample);
         return attributes;
     }
     void release_memory() const override { volume_.trim(); }
 
 private:
     float distance_of(const TsdfBlock& samples, int i) const {
-        return samples.num_views[i] >= min_views_ && samples.weight[i] != 0
-                   ? step_m_ * static_cast<float>(samples.distance[i])
-                   : kUnknownDistance;
+        return volume_.is_confirmed(samples, i) ? step_m_ * static_cast<float>(samples.distance[i])
+                                                : kUnknownDistance;
     }
 
     const TsdfVolume& volume_;
-    std::uint32_t min_views_;
     float step_m_;
     std::vector<std::uint32_t> order_;
     std::vector<BlockCoordinate> blocks_;

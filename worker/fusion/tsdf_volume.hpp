@@ -46,13 +46,15 @@ private:
     const TsdfBlock& block(std::uint32_t number) const;
     const TsdfBlock* find(const BlockCoordinate& block) const;  // null: the block does not exist
 
-    // Returns how many views a sample needs before it may be surface.
-    std::uint32_t min_views() const { return std::min(kMinViews, num_views_); }
+    // Returns whether a sample is known well enough to be surface: enough views saw it, or one that
+    // no other frame could have confirmed, and its sigma is small enough.
+    bool is_confirmed(const TsdfBlock& samples, int i) const;
 
     // Two, as surface that is far away or at the border of a dive has depth in only two views: with
     // three, 4 % of the reference within 10 mm are lost on tank and barge.
     static constexpr std::uint32_t kMinViews = 2;
     std::uint32_t num_views_ = 0;
+    float min_weight_;
     std::vector<BlockCoordinate> coordinates_;  // in the order of allocation
     BlockRegions regions_;                      // the same blocks, by position
     std::vector<SpillStore::Handle> blocks_;

@@ -12,6 +12,7 @@ constexpr float kMinDepth_m = 0.1F;
 // off at the truncation; if equally wrong far readings counted, noise would push the surface back.
 constexpr float kClear_sigmas = 2.0F * kTruncation_sigmas;
 constexpr std::int32_t kFreeSteps = 2 * static_cast<std::int32_t>(kDistanceSteps);
+constexpr std::int32_t kUnsharedPixel = SurfacePixel::kUnshared;
 constexpr std::int32_t kMaxSteps_int = 0x7fff;
 constexpr float kMaxSteps = kMaxSteps_int;
 
@@ -21,7 +22,7 @@ struct Sighting {
     base::Masks seen_near;  // near the surface, in range
     base::Masks colored;
     base::Floats share;  // of the new weight in the sum
-    base::Masks color;   // red, green and blue from bit 16 down
+    base::Masks color;   // as in SurfacePixel
 };
 
 DIVEMESH_INLINE_BODY base::Floats within_range(base::Floats steps) {
@@ -129,11 +130,14 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
             base::SignedShorts));
 
     if (base::any(sighting.seen_near)) {
-        std::uint16_t* views = block.num_views.data() + sample;
-        const base::Masks views_before =
+        std::uint16_t* views = block.views.data() + sample;
+        const base::Masks before =
             __builtin_convertvector(base::load_lanes<base::Shorts>(views), base::Masks);
-        const base::Masks one_more = sighting.seen_near & (views_before < 0xffff) & 1;
-        base::store(views, __builtin_convertvector(views_before + one_more, base::Shorts));
+        const base::Masks can_count = (before & TsdfBlock::kMaxViews) < TsdfBlock::kMaxViews;
+        const base::Masks one_more = sighting.seen_near & can_count & 1;
+        const base::Masks unshared =
+            sighting.seen_near & ((sighting.color & kUnsharedPixel) != 0) & TsdfBlock::kUnshared;
+        base::store(views, __builtin_convertvector((before + one_more) | unshared, base::Shorts));
     }
     sighting.colored = sighting.updated & (base::abs(distance) <= kColorBand_voxels * view.voxel_m);
     if (base::any(sighting.colored)) update_color(sighting, sample, block);

@@ -1,6 +1,9 @@
 #include "worker/pipeline/depth_view_prefetcher.hpp"
 
+#include <algorithm>
 #include <utility>
+
+#include "worker/fusion/unshared_depth.hpp"
 
 namespace divemesh::pipeline {
 
@@ -21,12 +24,25 @@ std::shared_ptr<const fusion::DepthView> DepthViewPrefetcher::next() {
     return view;
 }
 
+// Returns the motions from a frame's camera to those of the frames before and after it.
+std::vector<Eigen::Isometry3d> DepthViewPrefetcher::motions_to_neighbours(std::size_t frame) const {
+    const std::size_t begin = frame - std::min(frame, kNeighbours);
+    const std::size_t end = std::min(frames_.size(), frame + kNeighbours + 1);
+    std::vector<Eigen::Isometry3d> motions;
+    for (std::size_t other = begin; other < end; ++other)
+        if (other != frame && frames_[other].segment == frames_[frame].segment)
+            motions.push_back(frames_[other].T_world_cam.inverse() * frames_[frame].T_world_cam);
+    return motions;
+}
+
 void DepthViewPrefetcher::fetch(Lane& lane) {
     if (num_fetched_ == frames_.size()) return;
-    lane.task.run([this, &lane, frame_index = frames_[num_fetched_++].frame_index] {
-        const types::KeyframeImages images = store_.read(frame_index);
+    lane.task.run([this, &lane, frame = num_fetched_++] {
+        const types::KeyframeImages images = store_.read(frames_[frame].frame_index);
         const fusion::Sampling sampling = fusion::choose_sampling(rig_, images.depth, voxel_m_);
-        lane.view = std::make_shared<const fusion::DepthView>(rig_, images, sampling);
+        auto view = std::make_shared<fusion::DepthView>(rig_, images, sampling);
+        fusion::mark_unshared(motions_to_neighbours(frame), *view);
+        lane.view = std::move(view);
     });
 }
 

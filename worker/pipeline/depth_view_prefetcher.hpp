@@ -30,12 +30,14 @@ private:
     // Reading takes about as long as fusing: two frames are being read or waiting while the caller
     // fuses.
     static constexpr std::size_t kNumLanes = 3;
+    static constexpr std::size_t kNeighbours = 2;  // on either side, of frames that may confirm
     struct Lane {
         explicit Lane(base::TaskPool& task_pool) : task(task_pool) {}
         std::shared_ptr<const fusion::DepthView> view;
         base::BackgroundTask task;  // declared last, so that it ends before its target is destroyed
     };
     void fetch(Lane& lane);
+    std::vector<Eigen::Isometry3d> motions_to_neighbours(std::size_t frame) const;
 
     const types::RectifiedRig rig_;
     const double voxel_m_;

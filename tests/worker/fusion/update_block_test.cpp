@@ -56,7 +56,7 @@ protected:
             block.distance[i] = static_cast<std::int16_t>(random() % 6000 - 3000);
             block.weight[i] =
                 random() % 3 == 0 ? 0 : pack_weight(1.0F + static_cast<float>(random() % 1000));
-            block.num_views[i] = static_cast<std::uint16_t>(random() % 4);
+            block.views[i] = static_cast<std::uint16_t>(random() % 4);
             block.color[i] = static_cast<std::uint32_t>(random());
         }
         return block;
@@ -154,7 +154,7 @@ TEST_F(OneView, ABlockBeforeEverySurfaceIsOnlyCarved) {
         update_block(view_, ranges_, first_sample(blocks[seen.number]), seen.place, after);
         for (int i = 0; i < kBlockSamples; ++i) {
             ASSERT_GE(after.distance[i], before.distance[i]);
-            ASSERT_EQ(after.num_views[i], before.num_views[i]);
+            ASSERT_EQ(after.num_views(i), before.num_views(i));
         }
     }
     EXPECT_GT(num_before, 100);

@@ -12,6 +12,7 @@
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/fusion/synthetic_views.hpp"
 #include "worker/fusion/fusion_volume.hpp"
+#include "worker/fusion/unshared_depth.hpp"
 #include "worker/mesh/extract_surface.hpp"
 #include "worker/mesh/mesh_borders.hpp"
 #include "worker/mesh/mesh_components.hpp"
@@ -186,6 +187,28 @@ TEST_P(BothVolumes, WhatOneViewSawIsNotSurface) {
     const types::Mesh mesh = surface_of(*volume, options);
     ASSERT_GT(mesh.vertices.size(), 500U) << "the floor is to be there";
     for (const auto& vertex : mesh.vertices) EXPECT_LT(vertex.z(), 0.1F);
+}
+
+// The last of nine views looks at a place of its own.
+TEST(TsdfVolume, WhatNoOtherViewCouldSeeIsSurface) {
+    const ReconstructionOptions options = options_for("tsdf");
+    const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };
+    const auto elsewhere = look_at({5.0, 0.0, 1.2}, {5.0, 0.1, 0.0});
+    auto poses = views_from_above(8, 1.2);
+    poses.push_back(elsewhere);
+    auto volume = make_volume(small_rig(), options, 1.0);
+    for (const auto& pose : poses) {
+        const auto view = render_view(floor, small_rig(), pose);
+        DepthView depth(small_rig(), view.images);
+        const std::vector<Eigen::Isometry3d> motions{poses.front().inverse() * pose};
+        mark_unshared(motions, depth);
+        volume->add(view.keyframe, depth);
+    }
+    const types::Mesh mesh = surface_of(*volume, options);
+    const auto num = std::count_if(mesh.vertices.begin(), mesh.vertices.end(), [](const auto& p) {
+        return std::abs(p.x() - 5.0F) < 0.3F && std::abs(p.z()) < 0.01F;
+    });
+    EXPECT_GT(num, 500);
 }
 
 // A floor that extends away from the cameras: half of a view is farther away than the depth for
