@@ -124,6 +124,11 @@ void add_reconstruct(CLI::App& app, Context& context) {
         *command, options, "--mesher", "mesher", "mesher: surface_nets or marching_cubes");
     add_override<double>(
         *command, options, "--voxel-m", "voxel_m", "edge of a voxel, m; 0: from rig and range");
+    add_override<double>(*command,
+                         options,
+                         "--max-sigma",
+                         "max_sigma_m",
+                         "cut surface whose standard deviation is larger, m; 0: no limit");
     add_override<double>(
         *command, options, "--simplify", "simplify", "share of the triangles to keep, 0 to 1");
     command->add_flag("--no-texture", options->no_texture, "leave out the mosaic");

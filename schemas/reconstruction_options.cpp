@@ -33,6 +33,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("cloud_spacing_m", options.cloud_spacing_m, "distance between the points of the cloud, m; 0: half a voxel");
     visit("fusion_memory_bytes", options.fusion_memory_bytes, "max memory for voxels and points, the rest goes to the scratch folder; the result does not depend on it");
     visit("mesher", options.mesher, "surface_nets or marching_cubes");
+    visit("max_sigma_m", options.max_sigma_m, "max standard deviation of a vertex, m; vaguer surface is cut; 0: no limit");
     visit("simplify", options.simplify, "share of the triangles to keep, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error at which simplification stops, m; 0: no limit");
     visit("texture", options.texture, "make the mosaic (no texture is made yet)");
@@ -114,6 +115,10 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
     faults.require(options.map_step >= 0.0 && options.map_step <= 1.0,
                    "map_step",
                    "must be 0 (only keyframes) to 1, a share of the image width");
+    faults.require(options.max_sigma_m == 0.0 ||
+                       (options.max_sigma_m >= 0.0001 && options.max_sigma_m <= 10.0),
+                   "max_sigma_m",
+                   "must be 0 (no limit) or 0.0001 to 10 m");
     faults.require(options.simplify > 0.0 && options.simplify <= 1.0,
                    "simplify",
                    "must be more than 0 and at most 1 (all triangles)");

@@ -39,6 +39,7 @@ struct ReconstructionOptions {
     std::int64_t fusion_memory_bytes = std::int64_t{1} << 30;
     // step 8, surface
     std::string mesher = "surface_nets";  // surface_nets | marching_cubes
+    double max_sigma_m = 0.0;             // of a vertex; vaguer surface is cut; 0: no limit
     double simplify = 1.0;                // share of the triangles to keep
     double simplify_error_m = 0;          // quadric error at which simplifying stops; 0: no limit
     bool texture = true;                  // the mosaic; there is no texture yet

@@ -1,4 +1,5 @@
 #include "worker/io/ply.hpp"
+#include "worker/mesh/cut_by_sigma.hpp"
 #include "worker/mesh/vertex_sigma.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 #include "worker/pipeline/simplification_error.hpp"
@@ -29,6 +30,8 @@ void run_mesh(Reconstruction& made, const base::ProgressCallback& progress) {
     types::Mesh surface = mesh(*made.volume, made.options(), progress);
     mesh::finish_sigma(
         surface, made.voxel_m, optimisation::shared_sigma_m(made.optimised.statistics.path));
+    if (const double limit_m = made.options().max_sigma_m; limit_m > 0.0)
+        surface = mesh::cut_by_sigma(std::move(surface), limit_m);
     made.surface = simplified(std::move(surface), made.options());
 }
 

@@ -39,7 +39,7 @@ std::vector<Stage<Reconstruction>> reconstruction_stages() {
          .wanted = surface_wanted, .load = load_fuse, .run = run_fuse, .save = save_fuse, .finish = finish_fuse},
 
         {.spec = {.name = "mesh", .share = 0.08,
-                  .reads = {"mesher", "simplify", "simplify_error_m"},
+                  .reads = {"mesher", "max_sigma_m", "simplify", "simplify_error_m"},
                   .files = {"mesh.stage"}},
          .wanted = surface_wanted, .load = load_mesh, .run = run_mesh, .save = save_mesh, .finish = finish_mesh},
 

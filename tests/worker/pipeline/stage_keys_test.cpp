@@ -135,6 +135,7 @@ TEST(StageKeysTest, EveryOptionIsFirstReadByTheStageThatNamesIt) {
         {"max_depth_m", {3.0, "fuse"}},
         {"cloud_spacing_m", {0.05, "fuse"}},
         {"mesher", {"marching_cubes", "mesh"}},
+        {"max_sigma_m", {0.01, "mesh"}},
         {"simplify", {0.5, "mesh"}},
         {"simplify_error_m", {0.01, "mesh"}},
         {"texture", {false, "texture"}}};
