@@ -130,12 +130,12 @@ bool DiveRemoval::forget(const std::string& id) {
         const Dive dive = read_dive(session, id);
         if (!jobs_of(session, id, "'running'").empty()) return;
         const std::string jobs = "(SELECT id FROM jobs WHERE dive_id = :id)";
+        const std::string sets = "(SELECT number FROM figure_sets WHERE dive_id = :id)";
+        const std::string names = "(SELECT number FROM figure_names)";  // lets the index be used
         const std::string statements[] = {
             "DELETE FROM artifacts WHERE job_id IN " + jobs,
             "DELETE FROM attempts WHERE job_id IN " + jobs,
-            "DELETE FROM figures WHERE figure IN (SELECT number FROM figure_names)"
-            " AND set_number IN"
-            " (SELECT number FROM figure_sets WHERE dive_id = :id)",
+            "DELETE FROM figures WHERE set_number IN " + sets + " AND figure IN " + names,
             "DELETE FROM figure_sets WHERE dive_id = :id",
             "DELETE FROM truth_files WHERE dive_id = :id",
             "DELETE FROM job_parents WHERE job_id IN " + jobs + " OR parent_id IN " + jobs,

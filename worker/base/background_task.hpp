@@ -2,8 +2,8 @@
 
 #include <functional>
 #include <memory>
-#include <oneapi/tbb/task_arena.h>
-#include <oneapi/tbb/task_group.h>
+
+#include "worker/base/task_threads.hpp"
 
 namespace divemesh::base {
 
@@ -12,12 +12,11 @@ namespace divemesh::base {
 class TaskPool {
 public:
     // `num_threads` 0 means all cores.
-    explicit TaskPool(int num_threads)
-        : arena_(num_threads > 0 ? num_threads : oneapi::tbb::task_arena::automatic) {}
+    explicit TaskPool(int num_threads) : arena_(num_threads) {}
 
 private:
     friend class BackgroundTask;
-    oneapi::tbb::task_arena arena_;
+    TaskArena arena_;
 };
 
 // A slot for one task at a time beside the caller; with one thread the task runs when the caller
@@ -40,8 +39,8 @@ public:
 private:
     class Task;
 
-    oneapi::tbb::task_arena& arena_;
-    oneapi::tbb::task_group group_;
+    TaskArena& arena_;
+    TaskGroup group_;
     std::shared_ptr<Task> task_;
 };
 

@@ -1,24 +1,57 @@
 #include "worker/base/parallel.hpp"
 
 #include <algorithm>
+
+#include "worker/base/task_threads.hpp"
+#if defined(__SANITIZE_THREAD__)
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <vector>
+#else
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/task_arena.h>
+#endif
 
 namespace divemesh::base {
 namespace {
 
+#if defined(__SANITIZE_THREAD__)
 void run(int num_threads,
          std::size_t begin,
          std::size_t end,
          const std::function<void(std::size_t)>& work) {
-    tbb::task_arena arena(num_threads > 0 ? num_threads : tbb::task_arena::automatic);
+    std::atomic<std::size_t> next = begin;
+    std::mutex mutex;
+    std::exception_ptr failure;
+    const auto work_on = [&] {
+        try {
+            for (std::size_t i = next++; i < end; i = next++) work(i);
+        } catch (...) {
+            next = end;
+            const std::lock_guard lock(mutex);
+            failure = std::current_exception();
+        }
+    };
+    std::vector<std::thread> threads;
+    for (int i = 1; i < num_task_threads(num_threads); ++i) threads.emplace_back(work_on);
+    work_on();
+    for (std::thread& thread : threads) thread.join();
+    if (failure) std::rethrow_exception(failure);
+}
+#else
+void run(int num_threads,
+         std::size_t begin,
+         std::size_t end,
+         const std::function<void(std::size_t)>& work) {
+    TaskArena arena(num_threads);
     arena.execute([&] {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end), [&](const auto& range) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) work(i);
         });
     });
 }
+#endif
 
 }  // namespace
 

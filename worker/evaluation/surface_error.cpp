@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include "schemas/error.hpp"
 #include "worker/base/parallel.hpp"
@@ -42,13 +39,8 @@ std::vector<double> distances(const std::vector<Eigen::Vector3f>& samples,
                               const Surface& surface,
                               int num_threads) {
     std::vector<double> result(samples.size());
-    tbb::task_arena arena(num_threads > 0 ? num_threads : tbb::task_arena::automatic);
-    arena.execute([&] {
-        tbb::parallel_for(tbb::blocked_range<std::size_t>(0, samples.size(), 4096),
-                          [&](const tbb::blocked_range<std::size_t>& range) {
-                              for (std::size_t i = range.begin(); i < range.end(); ++i)
-                                  result[i] = static_cast<double>(surface.distance_m(samples[i]));
-                          });
+    base::for_each_index(num_threads, samples.size(), [&](std::size_t i) {
+        result[i] = static_cast<double>(surface.distance_m(samples[i]));
     });
     return result;
 }

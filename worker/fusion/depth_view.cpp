@@ -248,18 +248,22 @@ types::RectifiedRig halved(types::RectifiedRig rig) {
 
 }  // namespace
 
-Sampling choose_sampling(const types::RectifiedRig& rig,
-                         const types::DepthMap& depth,
-                         double voxel_m) {
+float median_disparity_px(const types::DepthMap& depth) {
     constexpr int kStep_px = 8;
-    constexpr double kPixels = 2.0;
     std::vector<float> disparities;
     for (int v = 0; v < depth.disparity_px.rows; v += kStep_px)
         for (int u = 0; u < depth.disparity_px.cols; u += kStep_px) {
             const float disparity = depth.disparity_px.at<float>(v, u);
             if (disparity > 0.0F) disparities.push_back(disparity);
         }
-    const float disparity_px = stats::upper_median(std::move(disparities));
+    return stats::upper_median(std::move(disparities));
+}
+
+Sampling choose_sampling(const types::RectifiedRig& rig,
+                         const types::DepthMap& depth,
+                         double voxel_m) {
+    constexpr double kPixels = 2.0;
+    const float disparity_px = median_disparity_px(depth);
     return disparity_px * voxel_m / rig.baseline_m >= kPixels ? Sampling::Half : Sampling::Full;
 }
 

@@ -25,6 +25,9 @@ struct alignas(32) SurfacePixel {
     static constexpr std::uint32_t kUnshared = 1U << 24;
 };
 
+// Returns the median disparity of a depth map, px; 0 if none is known.
+float median_disparity_px(const types::DepthMap& depth);
+
 // Full: every pixel. Half: one for every 2 x 2 pixels, their mean if all four see one surface.
 enum class Sampling { Full, Half };
 

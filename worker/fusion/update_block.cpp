@@ -46,6 +46,17 @@ DIVEMESH_INLINE_BODY void update_color(const Sighting& sighting, int sample, Tsd
     base::store(block.color.data() + sample, sighting.colored ? after : before);
 }
 
+DIVEMESH_INLINE_BODY void count_view(const Sighting& sighting, int sample, TsdfBlock& block) {
+    std::uint16_t* views = block.views.data() + sample;
+    const base::Masks before =
+        __builtin_convertvector(base::load_lanes<base::Shorts>(views), base::Masks);
+    const base::Masks can_count = (before & TsdfBlock::kMaxViews) < TsdfBlock::kMaxViews;
+    const base::Masks one_more = sighting.seen_near & can_count & 1;
+    const base::Masks unshared =
+        sighting.seen_near & ((sighting.color & kUnsharedPixel) != 0) & TsdfBlock::kUnshared;
+    base::store(views, __builtin_convertvector((before + one_more) | unshared, base::Shorts));
+}
+
 // Updates the samples on the line x = 0..7 of the block; the first is at p_cam, the next ones at
 // intervals of step_cam.
 DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
@@ -129,16 +140,7 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
             sighting.updated ? steps_after : __builtin_convertvector(steps_before, base::Masks),
             base::SignedShorts));
 
-    if (base::any(sighting.seen_near)) {
-        std::uint16_t* views = block.views.data() + sample;
-        const base::Masks before =
-            __builtin_convertvector(base::load_lanes<base::Shorts>(views), base::Masks);
-        const base::Masks can_count = (before & TsdfBlock::kMaxViews) < TsdfBlock::kMaxViews;
-        const base::Masks one_more = sighting.seen_near & can_count & 1;
-        const base::Masks unshared =
-            sighting.seen_near & ((sighting.color & kUnsharedPixel) != 0) & TsdfBlock::kUnshared;
-        base::store(views, __builtin_convertvector((before + one_more) | unshared, base::Shorts));
-    }
+    if (base::any(sighting.seen_near)) count_view(sighting, sample, block);
     sighting.colored = sighting.updated & (base::abs(distance) <= kColorBand_voxels * view.voxel_m);
     if (base::any(sighting.colored)) update_color(sighting, sample, block);
 }

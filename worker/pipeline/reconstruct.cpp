@@ -43,6 +43,15 @@ void judge_pressure(const types::Recording& recording,
     track.findings.push_back(pressure_left_out(judgement));
 }
 
+// Returns the median depth of the tracked features, or without any that of the first frame's
+// surface: a single frame tracks nothing.
+double median_depth_m(const FramesToFuse& input) {
+    if (input.median_depth_m > 0.0 || input.frames.empty()) return input.median_depth_m;
+    const types::KeyframeImages images = input.store.read(input.frames.front().frame_index);
+    const float disparity_px = fusion::median_disparity_px(images.depth);
+    return disparity_px > 0.0F ? input.rig.depth_m(disparity_px) : 0.0;
+}
+
 }  // namespace
 
 types::Track track(types::Recording& recording,
@@ -95,7 +104,7 @@ FusedMap fuse(const FramesToFuse& input,
               const base::ProgressCallback& progress) {
     const std::vector<types::Keyframe>& frames = input.frames;
     FusedMap map;
-    map.volume = fusion::make_volume(input.rig, options, input.median_depth_m, scratch);
+    map.volume = fusion::make_volume(input.rig, options, median_depth_m(input), scratch);
     map.cloud = fusion::make_cloud(map.volume->settings(), options);
     // Consecutive frames see nearly the same points, so all of them are used only if the cloud's
     // points are to be closer than a voxel requires.

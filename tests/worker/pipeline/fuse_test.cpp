@@ -23,9 +23,11 @@ protected:
         options_.num_threads = GetParam();
     }
 
-    FusedMap fuse(const base::ProgressCallback& progress) const {
-        return pipeline::fuse(
-            {fusion::small_rig(), frames_, 1.2, store_}, options_, folder_ / "", progress);
+    FusedMap fuse(const base::ProgressCallback& progress, double median_depth_m = 1.2) const {
+        return pipeline::fuse({fusion::small_rig(), frames_, median_depth_m, store_},
+                              options_,
+                              folder_ / "",
+                              progress);
     }
 
     TemporaryFolder folder_;
@@ -62,6 +64,14 @@ TEST_P(FuseOnThreads, AKeyframeThatIsNotInTheStoreIsATypedError) {
     } catch (const Error& error) {
         EXPECT_EQ(error.code(), ErrorCode::NotFound);
     }
+}
+
+// A dive of one frame has no tracked features, and so no median depth of them.
+TEST_P(FuseOnThreads, TheVoxelOfASingleFrameComesFromItsDepth) {
+    frames_.resize(1);
+    options_.voxel_m = 0.0;
+    const double voxel_m = fuse(base::ignore_progress, 0.0).volume->voxel_m();
+    EXPECT_NEAR(voxel_m, fusion::choose_voxel_m(fusion::small_rig(), 1.2), 0.1 * voxel_m);
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, FuseOnThreads, testing::Values(1, 2));
