@@ -12,7 +12,7 @@ namespace divemesh::base {
 class TaskPool {
 public:
     // `num_threads` 0 means all cores.
-    explicit TaskPool(int num_threads) : arena_(num_threads) {}
+    explicit TaskPool(int num_threads) : arena_(arena_of(num_threads)) {}
 
 private:
     friend class BackgroundTask;

@@ -34,7 +34,7 @@ void run(int num_threads,
         }
     };
     std::vector<std::thread> threads;
-    for (int i = 1; i < num_task_threads(num_threads); ++i) threads.emplace_back(work_on);
+    for (int i = 1; i < arena_of(num_threads).max_concurrency(); ++i) threads.emplace_back(work_on);
     work_on();
     for (std::thread& thread : threads) thread.join();
     if (failure) std::rethrow_exception(failure);
@@ -44,7 +44,7 @@ void run(int num_threads,
          std::size_t begin,
          std::size_t end,
          const std::function<void(std::size_t)>& work) {
-    TaskArena arena(num_threads);
+    TaskArena arena = arena_of(num_threads);
     arena.execute([&] {
         tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end), [&](const auto& range) {
             for (std::size_t i = range.begin(); i < range.end(); ++i) work(i);

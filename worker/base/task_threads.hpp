@@ -11,14 +11,13 @@
 
 namespace divemesh::base {
 
-inline int num_task_threads(int num_threads) {
-    if (num_threads > 0) return num_threads;
-    return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
-
 class TaskArena {
 public:
-    explicit TaskArena(int num_threads) : num_threads_(num_task_threads(num_threads)) {}
+    static constexpr int automatic = -1;
+    explicit TaskArena(int num_threads)
+        : num_threads_(num_threads != automatic
+                           ? num_threads
+                           : std::max(1, static_cast<int>(std::thread::hardware_concurrency()))) {}
     int max_concurrency() const { return num_threads_; }
     template <typename Function>
     void execute(const Function& function) const {
@@ -59,14 +58,18 @@ private:
 
 namespace divemesh::base {
 
-class TaskArena : public oneapi::tbb::task_arena {
-public:
-    explicit TaskArena(int num_threads)
-        : task_arena(num_threads > 0 ? num_threads : oneapi::tbb::task_arena::automatic) {}
-};
-
+using TaskArena = oneapi::tbb::task_arena;
 using TaskGroup = oneapi::tbb::task_group;
 
 }  // namespace divemesh::base
 
 #endif
+
+namespace divemesh::base {
+
+// Returns the arena of `num_threads` threads; 0: all cores.
+inline TaskArena arena_of(int num_threads) {
+    return TaskArena(num_threads > 0 ? num_threads : TaskArena::automatic);
+}
+
+}  // namespace divemesh::base
