@@ -46,6 +46,26 @@ DIVEMESH_INLINE_BODY void update_color(const Sighting& sighting, int sample, Tsd
     base::store(block.color.data() + sample, sighting.colored ? after : before);
 }
 
+// Moves the mean distances toward the seen ones, in steps.
+DIVEMESH_INLINE_BODY void update_distance(const Sighting& sighting,
+                                          base::Floats seen_steps,
+                                          int sample,
+                                          TsdfBlock& block) {
+    const base::SignedShorts steps_before =
+        base::load_lanes<base::SignedShorts>(block.distance.data() + sample);
+    const base::Floats before = __builtin_convertvector(steps_before, base::Floats);
+    const base::Floats after = before + sighting.share * (within_range(seen_steps) - before);
+    // Adds an offset to round positive numbers, as to_integers() truncates toward zero.
+    const base::Masks steps_after =
+        base::to_integers(base::select(sighting.updated, after) + (kMaxSteps + 0.5F)) -
+        kMaxSteps_int;
+    base::store(
+        block.distance.data() + sample,
+        __builtin_convertvector(
+            sighting.updated ? steps_after : __builtin_convertvector(steps_before, base::Masks),
+            base::SignedShorts));
+}
+
 DIVEMESH_INLINE_BODY void count_view(const Sighting& sighting, int sample, TsdfBlock& block) {
     std::uint16_t* views = block.views.data() + sample;
     const base::Masks before =
@@ -55,6 +75,28 @@ DIVEMESH_INLINE_BODY void count_view(const Sighting& sighting, int sample, TsdfB
     const base::Masks unshared =
         sighting.seen_near & ((sighting.color & kUnsharedPixel) != 0) & TsdfBlock::kUnshared;
     base::store(views, __builtin_convertvector((before + one_more) | unshared, base::Shorts));
+}
+
+// Which of eight points of the camera frame lie in the image, and the numbers of their pixels; 0
+// for the others.
+struct Projection {
+    base::Masks in_view;
+    base::Masks pixel;
+};
+
+DIVEMESH_INLINE_BODY Projection project(const TsdfView& view,
+                                        base::Floats x,
+                                        base::Floats y,
+                                        base::Floats z) {
+    const base::Floats scale = view.focal_px / z;
+    const base::Floats u = scale * x + (view.cx_px + 0.5F);
+    const base::Floats v = scale * y + (view.cy_px + 0.5F);
+    const base::Masks in_view = (z >= kMinDepth_m) & (u >= 0.0F) & (v >= 0.0F) &
+                                (u < static_cast<float>(view.width_px)) &
+                                (v < static_cast<float>(view.height_px));
+    return {in_view,
+            base::to_integers(base::select(in_view, v)) * view.width_px +
+                base::to_integers(base::select(in_view, u))};
 }
 
 // Updates the samples on the line x = 0..7 of the block; the first is at p_cam, the next ones at
@@ -69,15 +111,8 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
     const base::Floats x = p_cam.x() + along * step_cam.x();
     const base::Floats y = p_cam.y() + along * step_cam.y();
     const base::Floats z = p_cam.z() + along * step_cam.z();
-    const base::Floats scale = view.focal_px / z;
-    const base::Floats u = scale * x + (view.cx_px + 0.5F);
-    const base::Floats v = scale * y + (view.cy_px + 0.5F);
-    const base::Masks in_view = (z >= kMinDepth_m) & (u >= 0.0F) & (v >= 0.0F) &
-                                (u < static_cast<float>(view.width_px)) &
-                                (v < static_cast<float>(view.height_px));
+    const auto [in_view, pixel] = project(view, x, y, z);
     if (!base::any(in_view)) return;
-    const base::Masks pixel = base::to_integers(base::select(in_view, v)) * view.width_px +
-                              base::to_integers(base::select(in_view, u));
     base::Floats farthest{};
     for (int lane = 0; lane < base::kLanes; ++lane)
         farthest[lane] = ranges.farthest_m()[pixel[lane]];
@@ -121,25 +156,11 @@ DIVEMESH_INLINE_BODY void update_row(const TsdfView& view,
         distance < -certain ? full * ((truncation + distance) / (truncation - certain)) : full;
     const base::Floats weight_after = weight_before + weight;
     sighting.share = weight / weight_after;
-    const float steps = kDistanceSteps / view.voxel_m;
-    const base::SignedShorts steps_before =
-        base::load_lanes<base::SignedShorts>(block.distance.data() + sample);
-    const base::Floats distance_before = __builtin_convertvector(steps_before, base::Floats);
-    const base::Floats seen = within_range(steps * base::min(distance, truncation));
-    const base::Floats distance_after = distance_before + sighting.share * (seen - distance_before);
-    // Adds an offset to round positive numbers, as to_integers() truncates toward zero.
-    const base::Masks steps_after =
-        base::to_integers(base::select(sighting.updated, distance_after) + (kMaxSteps + 0.5F)) -
-        kMaxSteps_int;
     base::store(block.weight.data() + sample,
                 __builtin_convertvector(
                     sighting.updated ? pack_weights(weight_after) : packed_before, base::Shorts));
-    base::store(
-        block.distance.data() + sample,
-        __builtin_convertvector(
-            sighting.updated ? steps_after : __builtin_convertvector(steps_before, base::Masks),
-            base::SignedShorts));
-
+    const float steps = kDistanceSteps / view.voxel_m;
+    update_distance(sighting, steps * base::min(distance, truncation), sample, block);
     if (base::any(sighting.seen_near)) count_view(sighting, sample, block);
     sighting.colored = sighting.updated & (base::abs(distance) <= kColorBand_voxels * view.voxel_m);
     if (base::any(sighting.colored)) update_color(sighting, sample, block);

@@ -95,7 +95,7 @@ std::optional<Eigen::Isometry3d> register_pairs(const types::RectifiedRig& rig,
                                                 std::uint64_t seed) {
     if (pairs.size() < kMinInliersWithPrior) return std::nullopt;
     if (prior.T_b_a)
-        if (const auto predicted = confirmed(rig, pairs, *prior.T_b_a, prior)) return predicted;
+        if (auto predicted = confirmed(rig, pairs, *prior.T_b_a, prior)) return predicted;
     return confirmed(rig, pairs, best_motion(rig, pairs, seed), prior);
 }
 
@@ -106,7 +106,7 @@ std::optional<Eigen::Isometry3d> register_wide_baseline(const types::RectifiedRi
                                                         const SiftKeypoints& b,
                                                         const MotionPrior& prior,
                                                         std::uint64_t seed) {
-    if (const auto found = register_pairs(rig, match_sift(rig, a, b), prior, seed)) return found;
+    if (auto found = register_pairs(rig, match_sift(rig, a, b), prior, seed)) return found;
     if (!prior.T_b_a) return std::nullopt;
     return register_pairs(rig, match_sift(rig, a, b, prior.T_b_a), prior, seed);
 }
