@@ -12,10 +12,12 @@ namespace divemesh::base {
 template <typename T>
 class UninitialisedAllocator : public std::allocator<T> {
 public:
+    // The names are the standard's. NOLINTBEGIN(readability-identifier-naming)
     template <typename U>
     struct rebind {
         using other = UninitialisedAllocator<U>;
     };
+    // NOLINTEND(readability-identifier-naming)
     UninitialisedAllocator() = default;
     template <typename U>
     explicit UninitialisedAllocator(const UninitialisedAllocator<U>&) noexcept {}

@@ -36,7 +36,7 @@ cv::Mat tag_image(dive::MarkerFamily family, int id) {
                     std::string(dive::to_string(family)) + " has no tag " + std::to_string(id) +
                         ": its ids are 0 to " + std::to_string(tags->ncodes - 1));
     const std::unique_ptr<image_u8_t, void (*)(image_u8_t*)> drawn(
-        apriltag_to_image(tags.get(), static_cast<std::uint32_t>(id)), image_u8_destroy);
+        apriltag_to_image(tags.get(), id), image_u8_destroy);
     return cv::Mat(drawn->height, drawn->width, CV_8UC1, drawn->buf, drawn->stride).clone();
 }
 

@@ -92,7 +92,7 @@ CellTopology make_topology(int mask, int joined_face) {
         if (next[start] < 0 || topology.loop_of_edge[start] >= 0) continue;
         std::vector<std::uint8_t> loop;
         for (int edge = start; topology.loop_of_edge[edge] < 0; edge = next[edge]) {
-            topology.loop_of_edge[edge] = static_cast<std::int8_t>(topology.loops.size());
+            topology.loop_of_edge[edge] = static_cast<std::int16_t>(topology.loops.size());
             loop.push_back(static_cast<std::uint8_t>(edge));
         }
         triangulate(loop, topology.triangles);

@@ -14,7 +14,7 @@ namespace divemesh::mesh {
 // per sheet of the surface. A face with two opposite corners behind the surface is ambiguous: those
 // corners are kept apart in both cells of the face, so that neighbours always agree.
 struct CellTopology {
-    std::array<std::int8_t, 12> loop_of_edge;  // -1: not crossed
+    std::array<std::int16_t, 12> loop_of_edge;  // -1: not crossed
     // Edges of each loop in order, counter-clockwise seen from where the field is positive.
     std::vector<std::vector<std::uint8_t>> loops;
     // The triangles of each loop, by its edges. No diagonal lies in a face of the cell, where the

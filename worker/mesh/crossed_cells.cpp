@@ -38,7 +38,7 @@ unsigned crossed(const std::array<RowBits, 4>& rows) {
 }  // namespace
 
 std::vector<CrossedCell> find_crossed_cells(const BlockNeighbourhood& samples) {
-    std::array<RowBits, kEdge * kEdge> rows;
+    std::array<RowBits, std::size_t{kEdge} * kEdge> rows;
     for (int row = 0; row < kEdge * kEdge; ++row)
         rows[row] = bits_of(samples.distances_m.data() + std::ptrdiff_t{row} * kEdge);
     std::vector<CrossedCell> cells;

@@ -13,7 +13,7 @@ namespace divemesh::mesh {
 // is the cube between eight samples and belongs to the block of its min corner.
 struct BlockNeighbourhood {
     static constexpr int kEdge = fusion::kBlockEdge + 1;
-    std::array<float, kEdge * kEdge * kEdge> distances_m;
+    std::array<float, std::size_t{kEdge} * kEdge * kEdge> distances_m;
 
     static int index(int x, int y, int z) { return (z * kEdge + y) * kEdge + x; }
 };

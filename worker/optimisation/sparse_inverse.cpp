@@ -11,6 +11,7 @@ namespace {
 Eigen::SparseMatrix<double> invert(const Eigen::SparseMatrix<double>& L, const Eigen::VectorXd& D) {
     using Iterator = Eigen::SparseMatrix<double>::InnerIterator;
     const auto size = static_cast<int>(L.cols());
+    // Iterators write to it. NOLINTNEXTLINE(performance-unnecessary-copy-initialization)
     Eigen::SparseMatrix<double> Z = L;
     std::vector<double> sum(static_cast<std::size_t>(size), 0.0);
     std::vector<double> factor(static_cast<std::size_t>(size), 0.0);

@@ -1,6 +1,7 @@
 #include "worker/pipeline/build_id.hpp"
 
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <elf.h>
 #include <link.h>
@@ -44,10 +45,11 @@ int look(dl_phdr_info* object, std::size_t, void* found) {
     auto& id = *static_cast<std::string*>(found);
     for (int i = 0; i < object->dlpi_phnum && id.empty(); ++i) {
         const ElfW(Phdr)& segment = object->dlpi_phdr[i];
-        if (segment.p_type == PT_NOTE)
-            id = find_build_id(
-                {reinterpret_cast<const unsigned char*>(object->dlpi_addr + segment.p_vaddr),
-                 segment.p_memsz});
+        if (segment.p_type != PT_NOTE) continue;
+        const std::uintptr_t address = object->dlpi_addr + segment.p_vaddr;
+        // NOLINTNEXTLINE(performance-no-int-to-ptr): the loader states addresses as integers
+        const auto* notes = reinterpret_cast<const unsigned char*>(address);
+        id = find_build_id({notes, segment.p_memsz});
     }
     return 1;
 }
