@@ -70,6 +70,22 @@ void limit_to_noise_level(const std::vector<TransectSegment>& segments,
         for (double& sigma : patch.sigma_local_m) sigma *= share;
 }
 
+nlohmann::json described(const AreaTask& task,
+                         double length_m,
+                         double coverage,
+                         const SamplingResolution& resolution) {
+    nlohmann::json area = {{"name", task.name},
+                           {"kind", task.kind},
+                           {"length_m", length_m},
+                           {"coverage", coverage},
+                           {"correlation_length_m", resolution.correlation_length_m}};
+    if (!task.label.empty()) area["label"] = task.label;
+    if (resolution.sigma_m) area["sigma_m"] = *resolution.sigma_m;
+    if (resolution.sigma_local_m) area["sigma_local_m"] = *resolution.sigma_local_m;
+    if (resolution.detail_m) area["detail_m"] = *resolution.detail_m;
+    return area;
+}
+
 }  // namespace
 
 AreaResult measure_transect(const types::Mesh& mesh,
@@ -91,16 +107,7 @@ AreaResult measure_transect(const types::Mesh& mesh,
     result.coverage = coverage_of(profile_of(segments, patches, measured));
     SamplingResolution sampling_resolution = sampling_resolution_of_all(segments, patches, options);
     limit_to_noise_level(segments, patches, options.noise_share, sampling_resolution);
-    result.area = {{"name", task.name},
-                   {"kind", task.kind},
-                   {"length_m", length},
-                   {"coverage", result.coverage},
-                   {"correlation_length_m", sampling_resolution.correlation_length_m}};
-    if (!task.label.empty()) result.area["label"] = task.label;
-    if (sampling_resolution.sigma_m) result.area["sigma_m"] = *sampling_resolution.sigma_m;
-    if (sampling_resolution.sigma_local_m)
-        result.area["sigma_local_m"] = *sampling_resolution.sigma_local_m;
-    if (sampling_resolution.detail_m) result.area["detail_m"] = *sampling_resolution.detail_m;
+    result.area = described(task, length, result.coverage, sampling_resolution);
     const Evaluate evaluate = [&](const Places& places, int num_blurs) {
         Profile profile = profile_of(segments, patches, places);
         for (int i = 0; i < num_blurs; ++i)
