@@ -69,7 +69,7 @@ cv::Mat disparity_sigma(const cv::Mat& image, base::Instructions instructions) {
     const auto noise_energy = static_cast<float>(4.0 * kNum * noise * noise / 2.0);
     const auto scale = static_cast<float>(2.0 * std::sqrt(2.0) * noise);
     const auto rate = base::compiled_for<rate_texture>(instructions);
-    cv::Mat sigma(image.size(), CV_32F, cv::Scalar(std::numeric_limits<float>::infinity()));
+    cv::Mat sigma(image.size(), CV_32F, cv::Scalar(std::numeric_limits<double>::infinity()));
     RunningSums window(2, image.cols, kWindow_px / 2, instructions);
     for (int y = 0; y < image.rows; ++y) {
         const std::uint8_t* in = image.ptr<std::uint8_t>(y);

@@ -106,7 +106,7 @@ DIVEMESH_INLINE_BODY void exchange_row(const Read& in,
 
 void LucasKanadeTerms::begin(int width) {
     width_ = width;
-    const auto padded = static_cast<std::size_t>(width) + 2 * kMargin_px;
+    const auto padded = static_cast<std::size_t>(width) + std::size_t{2} * kMargin_px;
     left_.assign(padded, 0);
     reading_.first.assign(padded, 0);
     reading_.last.assign(padded, 0);

@@ -5,22 +5,22 @@
 namespace divemesh::stereo {
 namespace {
 
-DIVEMESH_INLINE_BODY void exchange(std::int32_t* sum_,
-                                   const std::int32_t* entering_,
-                                   const std::int32_t* leaving_,
+DIVEMESH_INLINE_BODY void exchange(std::int32_t* sum_at,
+                                   const std::int32_t* entering_at,
+                                   const std::int32_t* leaving_at,
                                    int num) {
-    std::int32_t* __restrict sum = sum_;
-    const std::int32_t* __restrict entering = entering_;
-    const std::int32_t* __restrict leaving = leaving_;
+    std::int32_t* __restrict sum = sum_at;
+    const std::int32_t* __restrict entering = entering_at;
+    const std::int32_t* __restrict leaving = leaving_at;
     for (int x = 0; x < num; ++x) sum[x] += entering[x] - leaving[x];
 }
 
-DIVEMESH_INLINE_BODY void widen_within(const std::int32_t* column_,
+DIVEMESH_INLINE_BODY void widen_within(const std::int32_t* column_at,
                                        int num,
                                        int radius,
-                                       float* window_) {
-    const std::int32_t* __restrict column = column_;
-    float* __restrict window = window_;
+                                       float* window_at) {
+    const std::int32_t* __restrict column = column_at;
+    float* __restrict window = window_at;
     for (int x = radius; x < num - radius; ++x) {
         std::int32_t sum = 0;
         for (int i = -radius; i <= radius; ++i) sum += column[x + i];

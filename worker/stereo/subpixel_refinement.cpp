@@ -97,7 +97,7 @@ void fit_blocks(
             wide[term] = base::Floats{};
             for (int dy = -1; dy <= 1; ++dy)
                 for (int dx = -1; dx <= 1; ++dx)
-                    wide[term] += base::load(sums[term] + i + dy * stride + dx);
+                    wide[term] += base::load(sums[term] + i + std::ptrdiff_t{dy} * stride + dx);
         }
         const Fit fit = fit_step(wide, kMinWidePixels);
         const base::Floats both =

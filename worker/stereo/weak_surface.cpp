@@ -102,8 +102,8 @@ WeakSurface::Plane WeakSurface::plane_of(std::size_t block) const {
     int num_axes = 0;
     int num_close = 0;
     for (int axis = 0; axis < kNumAxes; ++axis) {
-        const Support& a = supports_[2 * axis][block];
-        const Support& b = supports_[2 * axis + 1][block];
+        const Support& a = supports_[static_cast<std::size_t>(2 * axis)][block];
+        const Support& b = supports_[static_cast<std::size_t>(2 * axis + 1)][block];
         if (a.disparity_px <= 0.0F || b.disparity_px <= 0.0F) continue;
         const float length = a.distance_px + b.distance_px;
         const float step = b.disparity_px - a.disparity_px;
