@@ -33,7 +33,7 @@ std::string sensor_yaml(const std::string& type,
         << "\ncomment: " << comment
         << "\n\n# Sensor extrinsics wrt. the body-frame (sensor to body; the body is the IMU).\n"
         << "T_BS:\n  cols: 4\n  rows: 4\n  data: [";
-    const Eigen::Matrix4d T = T_imu_sensor.matrix();
+    const Eigen::Matrix4d& T = T_imu_sensor.matrix();
     for (int i = 0; i < 16; ++i)
         out << (i == 0 ? "" : (i % 4 == 0 ? ",\n         " : ", ")) << T(i / 4, i % 4);
     out << "]\n" << rest;

@@ -97,6 +97,7 @@ DiverMotion DiverMotion::closed_lap(const SurveyPath& path,
 
 DiverMotion DiverMotion::with_pauses(const std::vector<Stretch>& pauses) const {
     std::vector<Rest> rests;
+    rests.reserve(pauses.size());
     for (const Stretch& pause : pauses)
         rests.push_back({pause.at_share * path_duration_s_, pause.duration_s});
     DiverMotion motion = *this;

@@ -27,6 +27,17 @@ float edge_of_board_m(const SimulateOptions& options) {
     return static_cast<float>(options.marker_size_m * (layout.total_cells + 2) / layout.size_cells);
 }
 
+constexpr int kPointsPerSide = 5;
+constexpr int kBoardPoints = kPointsPerSide * kPointsPerSide;
+
+// Returns point `i` of kBoardPoints on a square grid over the board, in the board's frame.
+Eigen::Vector3f board_point(int i, float edge_m) {
+    const int row = i / kPointsPerSide - kPointsPerSide / 2;
+    const int column = i % kPointsPerSide - kPointsPerSide / 2;
+    return 0.25F * edge_m *
+           Eigen::Vector3f(static_cast<float>(column), static_cast<float>(row), 0.0F);
+}
+
 Eigen::Vector3d middle_world(const LaidMarker& marker) {
     return (marker.T_world_board * Eigen::Vector3f(0, 0, 0.5F * kThickness_m)).cast<double>();
 }
@@ -86,12 +97,10 @@ private:
         const auto yaw = static_cast<float>(
             6.283 * base::to_unit(base::hash64(seed_, static_cast<std::int64_t>(boards_.size()))));
         const Eigen::AngleAxisf rotation(yaw, Eigen::Vector3f::UnitZ());
-        Eigen::Matrix<float, 25, 3> A;
-        Eigen::Matrix<float, 25, 1> z;
-        for (int i = 0; i < 25; ++i) {
-            const Eigen::Vector3f offset(0.25F * edge_m_ * static_cast<float>(i % 5 - 2),
-                                         0.25F * edge_m_ * static_cast<float>(i / 5 - 2),
-                                         0);
+        Eigen::Matrix<float, kBoardPoints, 3> A;
+        Eigen::Matrix<float, kBoardPoints, 1> z;
+        for (int i = 0; i < kBoardPoints; ++i) {
+            const Eigen::Vector3f offset = board_point(i, edge_m_);
             const auto ground = ground_below(p + rotation * offset);
             if (!ground) return std::nullopt;
             A.row(i) << ground->x() - p.x(), ground->y() - p.y(), 1.0F;
@@ -182,13 +191,9 @@ std::vector<LaidMarker> unmoved_markers(const std::vector<LaidMarker>& markers,
     std::vector<LaidMarker> unmoved;
     for (const LaidMarker& marker : markers) {
         bool same = true;
-        for (int i = 0; i < 25; ++i) {
+        for (int i = 0; i < kBoardPoints; ++i) {
             const Eigen::Vector3f from =
-                marker.T_world_board *
-                    Eigen::Vector3f(0.25F * edge_m * static_cast<float>(i % 5 - 2),
-                                    0.25F * edge_m * static_cast<float>(i / 5 - 2),
-                                    0.0F) +
-                kAbove_m * Eigen::Vector3f::UnitZ();
+                marker.T_world_board * board_point(i, edge_m) + kAbove_m * Eigen::Vector3f::UnitZ();
             const RayHit first = caster_before.cast(from, -Eigen::Vector3f::UnitZ());
             const RayHit second = caster_after.cast(from, -Eigen::Vector3f::UnitZ());
             same =

@@ -83,6 +83,7 @@ std::vector<SurfaceChange> surface_changes(const Scene& before, const Scene& aft
                 piece.names.push_back(name);
     }
     std::vector<SurfaceChange> result;
+    result.reserve(pieces.size());
     for (auto& [set, piece] : pieces) result.push_back(std::move(piece));
     return result;
 }

@@ -252,7 +252,7 @@ DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, 
                            _mm256_add_epi8(by_nibble(ones, sum), by_nibble(ones, e)));
 }
 
-#include "worker/stereo/sgm_rows.simd.hpp"
+#include "worker/stereo/sgm_rows.simd.hpp"  // NOLINT(readability-duplicate-include): once per set
 
 }  // namespace avx2
 #pragma GCC pop_options
@@ -275,16 +275,6 @@ DIVEMESH_INLINE_BODY V first_or(V v, int num, int other) {
     const int first = num < 0 ? 0 : num > kBytes ? kBytes : num;
     const __mmask64 keep = first == kBytes ? ~__mmask64{0} : (__mmask64{1} << first) - 1;
     return _mm512_mask_blend_epi8(keep, broadcast(other), v);
-}
-DIVEMESH_INLINE_BODY int min_byte(V v) {
-    // Without a mask g++ 12 warns about its own header (bug 105593).
-    constexpr __mmask8 kAll = 0xff;
-    const __m256i halves = _mm256_min_epu8(_mm512_maskz_extracti64x4_epi64(kAll, v, 0),
-                                           _mm512_maskz_extracti64x4_epi64(kAll, v, 1));
-    const __m128i quarters =
-        _mm_min_epu8(_mm256_castsi256_si128(halves), _mm256_extracti128_si256(halves, 1));
-    const __m128i pairs = _mm_min_epu8(quarters, _mm_srli_epi16(quarters, 8));
-    return _mm_cvtsi128_si32(_mm_minpos_epu16(pairs)) & 0xff;
 }
 DIVEMESH_INLINE_BODY std::uint64_t where_equal(V a, V b) { return _mm512_cmpeq_epi8_mask(a, b); }
 DIVEMESH_INLINE_BODY int num_at_most(V a, V limit, int num) {
@@ -312,14 +302,15 @@ DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
 // The minima, in the lowest byte of each of four words.
 using PathMinima = __m128i;
 DIVEMESH_INLINE_BODY PathMinima path_minima(const V (&v)[4]) {
-    // Masked as in min_byte.
+    // Without a mask g++ 12 warns about its own header (bug 105593).
     constexpr __mmask8 kAll = 0xff;
     constexpr __mmask16 kAllWords = 0xffff;
     __m512 pairs_of[2];
-    for (int i = 0; i < 2; ++i)
-        pairs_of[i] =
-            _mm512_castsi512_ps(min(_mm512_maskz_unpacklo_epi64(kAll, v[2 * i], v[2 * i + 1]),
-                                    _mm512_maskz_unpackhi_epi64(kAll, v[2 * i], v[2 * i + 1])));
+    for (int i = 0; i < 2; ++i) {
+        const V* const two = v + std::ptrdiff_t{2} * i;
+        pairs_of[i] = _mm512_castsi512_ps(min(_mm512_maskz_unpacklo_epi64(kAll, two[0], two[1]),
+                                              _mm512_maskz_unpackhi_epi64(kAll, two[0], two[1])));
+    }
     const V all = min(
         _mm512_castps_si512(_mm512_maskz_shuffle_ps(kAllWords, pairs_of[0], pairs_of[1], 0x88)),
         _mm512_castps_si512(_mm512_maskz_shuffle_ps(kAllWords, pairs_of[0], pairs_of[1], 0xdd)));
@@ -345,7 +336,7 @@ DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, 
                            _mm512_add_epi8(counts[2], counts[3]));
 }
 
-#include "worker/stereo/sgm_rows.simd.hpp"
+#include "worker/stereo/sgm_rows.simd.hpp"  // NOLINT(readability-duplicate-include): once per set
 
 }  // namespace avx512
 #pragma GCC pop_options
