@@ -122,8 +122,11 @@ void add_reconstruct(CLI::App& app, Context& context) {
         *command, options, "--stereo", "stereo", "stereo matcher: block, sgm or opencv_sgbm");
     add_override<std::string>(
         *command, options, "--mesher", "mesher", "mesher: surface_nets or marching_cubes");
-    add_override<double>(
-        *command, options, "--voxel-m", "voxel_m", "edge of a voxel, m; 0: from rig and range");
+    add_override<double>(*command,
+                         options,
+                         "--voxel-m",
+                         "voxel_m",
+                         "edge of all voxels, m; 0: place by place, from rig and range");
     add_override<double>(*command,
                          options,
                          "--max-sigma",

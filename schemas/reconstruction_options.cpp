@@ -28,7 +28,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion in the bundle adjustment (window estimator)");
     visit("fusion", options.fusion, "octree (points, the paper) or tsdf");
     visit("map_step", options.map_step, "motion of the image between fused frames, as a share of its width; 0: only keyframes");
-    visit("voxel_m", options.voxel_m, "edge of a voxel, m; 0: from rig and range");
+    visit("voxel_m", options.voxel_m, "edge of all voxels, m; 0: place by place, from rig and range");
     visit("max_depth_m", options.max_depth_m, "max depth that is fused, m; 0: from the rig");
     visit("cloud_spacing_m", options.cloud_spacing_m, "distance between the points of the cloud, m; 0: half a voxel");
     visit("fusion_memory_bytes", options.fusion_memory_bytes, "max memory for voxels and points, the rest goes to the scratch folder; the result does not depend on it");

@@ -31,7 +31,7 @@ struct ReconstructionOptions {
     // step 7, fusion
     std::string fusion = "tsdf";   // octree (the paper) | tsdf
     double map_step = 0.02;        // shift between fused frames / image width; 0: keyframes only
-    double voxel_m = 0.0;          // 0: chosen from rig and range
+    double voxel_m = 0.0;          // 0: place by place, from rig and range
     double max_depth_m = 0.0;      // 0: chosen from the rig
     double cloud_spacing_m = 0.0;  // between the points of the cloud; 0: half a voxel
     // Limit for voxels and points in memory; more goes to the scratch folder. Never changes the

@@ -1,7 +1,7 @@
 #include "worker/fusion/confirmed_points.hpp"
 
 #include <algorithm>
-#include <utility>
+#include <span>
 
 #include "worker/base/parallel.hpp"
 
@@ -13,39 +13,40 @@ constexpr std::size_t kSlice = 4096;  // points per task of a thread
 
 }  // namespace
 
-ConfirmedPoints::ConfirmedPoints(const PointOctree& points, const Volume& volume, int num_threads)
+ConfirmedPoints::ConfirmedPoints(const std::deque<PointOctree>& points,
+                                 const Volume& volume,
+                                 int num_threads)
     : points_(points) {
-    confirmed_.reserve(static_cast<std::size_t>(points.num_points()));
-    std::vector<std::pair<Eigen::Vector3i, PointLeaf>> batch;
-    batch.reserve(kPointsAtOnce);
+    std::vector<Eigen::Vector3d> places;
+    places.reserve(kPointsAtOnce);
     const auto ask = [&] {
-        std::vector<std::uint8_t> answers(batch.size());
+        std::vector<std::uint8_t> answers(places.size());
         base::for_each_index(
-            num_threads, (batch.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
+            num_threads, (places.size() + kSlice - 1) / kSlice, [&](std::size_t slice) {
                 const std::size_t begin = slice * kSlice;
-                std::vector<Eigen::Vector3d> places;
-                for (std::size_t i = begin; i < std::min(begin + kSlice, batch.size()); ++i)
-                    places.push_back(points.position(batch[i].first, batch[i].second));
-                volume.confirm(places, answers.data() + begin);
+                const std::size_t num = std::min(kSlice, places.size() - begin);
+                volume.confirm(std::span(places).subspan(begin, num), answers.data() + begin);
             });
         volume.trim();
         num_confirmed_ += std::count(answers.begin(), answers.end(), 1);
         confirmed_.insert(confirmed_.end(), answers.begin(), answers.end());
-        batch.clear();
+        places.clear();
     };
-    points.for_each([&](const Eigen::Vector3i& cell, const PointLeaf& leaf) {
-        batch.emplace_back(cell, leaf);
-        if (batch.size() == kPointsAtOnce) ask();
-    });
+    for (const PointOctree& octree : points)
+        octree.for_each([&](const Eigen::Vector3i& cell, const PointLeaf& leaf) {
+            places.push_back(octree.position(cell, leaf));
+            if (places.size() == kPointsAtOnce) ask();
+        });
     ask();
 }
 
 void ConfirmedPoints::for_each(
     const std::function<void(const Eigen::Vector3f& p_world, const types::Color&)>& visit) const {
     std::size_t i = 0;
-    points_.for_each([&](const Eigen::Vector3i& cell, const PointLeaf& leaf) {
-        if (confirmed_[i++]) visit(points_.position(cell, leaf).cast<float>(), leaf_color(leaf));
-    });
+    for (const PointOctree& octree : points_)
+        octree.for_each([&](const Eigen::Vector3i& cell, const PointLeaf& leaf) {
+            if (confirmed_[i++]) visit(octree.position(cell, leaf).cast<float>(), leaf_color(leaf));
+        });
 }
 
 }  // namespace divemesh::fusion

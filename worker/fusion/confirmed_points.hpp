@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <vector>
 
@@ -9,20 +10,20 @@
 
 namespace divemesh::fusion {
 
-// The points of an octree that a volume confirms: points that only one view saw or that other views
+// The points of octrees that a volume confirms: points that only one view saw or that other views
 // looked through are left out. Points are streamed; only one bit per point is held.
 class ConfirmedPoints {
 public:
     // `points` and `volume` must outlive this object and must not change.
-    ConfirmedPoints(const PointOctree& points, const Volume& volume, int num_threads);
+    ConfirmedPoints(const std::deque<PointOctree>& points, const Volume& volume, int num_threads);
 
     std::int64_t size() const { return num_confirmed_; }
     void for_each(const std::function<void(const Eigen::Vector3f& p_world, const types::Color&)>&
                       visit) const;
 
 private:
-    const PointOctree& points_;
-    std::vector<bool> confirmed_;  // in the order of the octree
+    const std::deque<PointOctree>& points_;
+    std::vector<bool> confirmed_;  // in the order of the octrees
     std::int64_t num_confirmed_ = 0;
 };
 

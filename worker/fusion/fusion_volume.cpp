@@ -1,45 +1,29 @@
 #include "worker/fusion/fusion_volume.hpp"
 
-#include <algorithm>
 #include <cmath>
 
 #include "schemas/error.hpp"
 #include "worker/fusion/octree_volume.hpp"
 #include "worker/fusion/tsdf_volume.hpp"
 #include "worker/fusion/volume_file.hpp"
+#include "worker/fusion/voxel_size.hpp"
 
 namespace divemesh::fusion {
-namespace {
 
-constexpr double kSigmaDisparity_px = 0.15;  // of a textured surface
-constexpr double kPixelsPerVoxel = 2.5;
-constexpr double kMaxSigma_voxels = 6.0;
-
-double sigma_z(const types::RectifiedRig& rig, double depth_m) {
-    return depth_m * depth_m * kSigmaDisparity_px / (rig.focal_px * rig.baseline_m);
-}
-
-}  // namespace
-
-double choose_voxel_m(const types::RectifiedRig& rig, double median_depth_m) {
-    const double depth = std::clamp(median_depth_m, 0.2, 50.0);
-    const double voxel = std::max(kPixelsPerVoxel * depth / rig.focal_px, sigma_z(rig, depth));
-    return std::max(0.001, std::round(voxel * 1000.0) / 1000.0);
-}
-
-double choose_max_depth_m(const types::RectifiedRig& rig, double voxel_m) {
-    return std::sqrt(kMaxSigma_voxels * voxel_m / sigma_z(rig, 1.0));
+double VolumeSettings::median_voxel_m() const {
+    return std::ldexp(voxel_m, levels->median_level());
 }
 
 void Volume::integrate(const types::Keyframe& keyframe, const types::KeyframeImages& images) {
-    const Sampling sampling = choose_sampling(settings_.rig, images.depth, settings_.voxel_m);
+    const Sampling sampling =
+        choose_sampling(settings_.rig, images.depth, settings_.median_voxel_m());
     add(keyframe, DepthView(settings_.rig, images, sampling));
 }
 
-std::unique_ptr<Volume> make_volume(const types::RectifiedRig& rig,
-                                    const ReconstructionOptions& options,
-                                    double median_depth_m,
-                                    const std::filesystem::path& scratch) {
+VolumeSettings choose_settings(const types::RectifiedRig& rig,
+                               const ReconstructionOptions& options,
+                               double median_depth_m,
+                               const std::filesystem::path& scratch) {
     VolumeSettings settings;
     settings.rig = rig;
     settings.voxel_m =
@@ -48,14 +32,19 @@ std::unique_ptr<Volume> make_volume(const types::RectifiedRig& rig,
         options.max_depth_m > 0.0 ? options.max_depth_m : choose_max_depth_m(rig, settings.voxel_m);
     settings.num_threads = options.num_threads;
     settings.spill = {scratch, options.fusion_memory_bytes / 2};
-    if (options.fusion == "octree") return std::make_unique<OctreeVolume>(settings);
-    return std::make_unique<TsdfVolume>(settings);
+    return settings;
+}
+
+std::unique_ptr<Volume> make_volume(VolumeSettings settings, const ReconstructionOptions& options) {
+    if (options.fusion == "octree") return std::make_unique<OctreeVolume>(std::move(settings));
+    return std::make_unique<TsdfVolume>(std::move(settings));
 }
 
 std::unique_ptr<OctreeVolume> make_cloud(VolumeSettings settings,
                                          const ReconstructionOptions& options) {
     settings.voxel_m =
         options.cloud_spacing_m > 0.0 ? options.cloud_spacing_m : 0.5 * settings.voxel_m;
+    if (options.cloud_spacing_m > 0.0) settings.levels = std::make_shared<LevelPlan>();
     return std::make_unique<OctreeVolume>(settings);
 }
 

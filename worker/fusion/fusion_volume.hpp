@@ -7,6 +7,7 @@
 
 #include "schemas/reconstruction_options.hpp"
 #include "worker/fusion/depth_view.hpp"
+#include "worker/fusion/level_plan.hpp"
 #include "worker/fusion/signed_distance_field.hpp"
 #include "worker/fusion/spill_store.hpp"
 #include "worker/types/keyframe.hpp"
@@ -20,10 +21,13 @@ class OctreeVolume;
 // The rig whose keyframes are fused, the sampling of space and the limits of a volume.
 struct VolumeSettings {
     types::RectifiedRig rig;
-    double voxel_m = 0.01;
+    double voxel_m = 0.01;  // of level 0
+    std::shared_ptr<const LevelPlan> levels = std::make_shared<LevelPlan>();
     double max_depth_m = 4.0;
     int num_threads = 0;  // 0: all cores; the volume is the same to the byte for any number
     SpillSettings spill;
+
+    double median_voxel_m() const;  // of surface at the dive's median depth
 };
 
 // Step 7: fuses what the keyframes saw in the world frame, in an octree of points (the paper) or a
@@ -43,35 +47,29 @@ public:
     // volume integrates.
     virtual std::unique_ptr<SignedDistanceField> field(int num_threads) const = 0;
     virtual void save(const std::filesystem::path& file) const = 0;
-    virtual std::int64_t memory_bytes() const = 0;  // excludes what is on disk
-    virtual void trim() const = 0;                  // spills what exceeds settings().spill
-    double voxel_m() const { return settings_.voxel_m; }
+    virtual std::int64_t memory_bytes() const = 0;        // excludes what is on disk
+    virtual void trim() const = 0;                        // spills what exceeds settings().spill
+    double voxel_m() const { return settings_.voxel_m; }  // of level 0
     const VolumeSettings& settings() const { return settings_; }
 
 protected:
     VolumeSettings settings_;
 };
 
-// Makes the volume that `options.fusion` names. `options.voxel_m` and `max_depth_m` of 0 are chosen
-// from the rig and `median_depth_m`. Data beyond `options.fusion_memory_bytes` is spilled to
-// `scratch`; if `scratch` is empty, all stays in memory.
-std::unique_ptr<Volume> make_volume(const types::RectifiedRig& rig,
-                                    const ReconstructionOptions& options,
-                                    double median_depth_m,
-                                    const std::filesystem::path& scratch = {});
+// Returns settings of one level. `options.voxel_m` and `max_depth_m` of 0 are chosen from the rig
+// and `median_depth_m`. Data beyond `options.fusion_memory_bytes` is spilled to `scratch`; if
+// `scratch` is empty, all stays in memory.
+VolumeSettings choose_settings(const types::RectifiedRig& rig,
+                               const ReconstructionOptions& options,
+                               double median_depth_m,
+                               const std::filesystem::path& scratch = {});
+// Makes the volume that `options.fusion` names.
+std::unique_ptr<Volume> make_volume(VolumeSettings settings, const ReconstructionOptions& options);
 // Makes an octree for the point cloud, at `options.cloud_spacing_m`, beside a volume of `settings`.
 std::unique_ptr<OctreeVolume> make_cloud(VolumeSettings settings,
                                          const ReconstructionOptions& options);
 // Reads a saved volume. Throws Error{BadData} if the file is not a saved volume or is truncated.
 std::unique_ptr<Volume> load_volume(const std::filesystem::path& file,
                                     const SpillSettings& spill = {});
-
-// Returns 2.5 pixels at the median depth, or the standard deviation of the depth there if that is
-// larger, rounded to the millimetre: about 1 cm at 2 m for a rig of 500 px and 12 cm.
-double choose_voxel_m(const types::RectifiedRig& rig, double median_depth_m);
-// Returns the depth at which the depth's standard deviation reaches six voxels: beyond it a view
-// adds too little. With four voxels a sixth of the tank within 10 mm is lost, with nine there is no
-// gain.
-double choose_max_depth_m(const types::RectifiedRig& rig, double voxel_m);
 
 }  // namespace divemesh::fusion

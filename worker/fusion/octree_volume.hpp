@@ -1,7 +1,7 @@
 #pragma once
 
+#include <deque>
 #include <memory>
-#include <vector>
 
 #include "worker/base/binary_file.hpp"
 #include "worker/fusion/point_octree.hpp"
@@ -11,7 +11,9 @@ namespace divemesh::fusion {
 
 // The paper's step 7: every point that a keyframe saw goes into an octree, which keeps the weighted
 // mean of each leaf. Its surface is the zero of the signed distance to the tangent planes of the
-// leaves (Hoppe et al. 1992), averaged over the leaves nearby.
+// leaves (Hoppe et al. 1992), averaged over the leaves nearby. With several levels there is an
+// octree for each, of leaves half a voxel wide, which holds the points of the places planned for
+// it; these make no surface.
 class OctreeVolume : public Volume {
 public:
     explicit OctreeVolume(VolumeSettings settings);
@@ -20,10 +22,11 @@ public:
     void confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const override;
     std::unique_ptr<SignedDistanceField> field(int num_threads) const override;
     void save(const std::filesystem::path& file) const override;
-    std::int64_t memory_bytes() const override { return octree_.memory_bytes(); }
-    void trim() const override { octree_.trim(); }
+    std::int64_t memory_bytes() const override;
+    void trim() const override;
 
-    const PointOctree& octree() const { return octree_; }
+    // The octrees of the levels, the finest first; their leaves lie in different places.
+    const std::deque<PointOctree>& octrees() const { return octrees_; }
 
     static std::unique_ptr<OctreeVolume> load(base::BinaryReader& file, SpillSettings spill);
 
@@ -34,7 +37,9 @@ private:
                      const Eigen::Vector2i& at,
                      PointObservation point);
 
-    PointOctree octree_;
+    PointOctree& octree_at(const Eigen::Vector3d& p_world);
+
+    std::deque<PointOctree> octrees_;
     std::uint32_t num_views_ = 0;
 };
 

@@ -50,27 +50,39 @@ void prefetch(const TsdfBlock* block) {
     for (std::size_t i = 0; i < sizeof(TsdfBlock); i += kLine) __builtin_prefetch(bytes + i, 1, 2);
 }
 
-// The blocks that a view has touched recently: most pixels lie in the same blocks as their
-// neighbours.
+// The blocks of a plan that a view has touched recently: most pixels lie in the same blocks as
+// their neighbours.
 class RecentBlocks {
 public:
-    // Adds a block; returns false if it is among them already.
-    bool add(const BlockCoordinate& block) {
-        auto& place = places_[BlockCoordinateHash()(block) % kNumPlaces];
-        if (place == block) return false;
-        place = block;
-        return true;
+    explicit RecentBlocks(const LevelPlan& plan) : plan_(plan) {}
+
+    struct Found {
+        BlockCoordinate block;
+        bool is_recent;
+    };
+    // Returns the block that holds a lattice point of level 0.
+    Found block_at(const Eigen::Vector3i& sample) {
+        const BlockCoordinate finest = block_of(sample);
+        Place& place = places_[BlockCoordinateHash()(finest) % kNumPlaces];
+        if (place.finest == finest) return {place.block, true};
+        place = {finest, plan_.block_at(sample)};
+        return {place.block, false};
     }
 
 private:
+    struct Place {
+        BlockCoordinate finest{INT32_MAX, 0, 0};
+        BlockCoordinate block;
+    };
     static constexpr std::size_t kNumPlaces = 1024;
-    std::vector<BlockCoordinate> places_ =
-        std::vector<BlockCoordinate>(kNumPlaces, {INT32_MAX, 0, 0});
+    const LevelPlan& plan_;
+    std::vector<Place> places_ = std::vector<Place>(kNumPlaces);
 };
 
 TsdfView view_of(const types::Keyframe& keyframe,
                  const DepthView& depth,
-                 const VolumeSettings& settings) {
+                 const VolumeSettings& settings,
+                 int level) {
     const types::RectifiedRig& rig = depth.rig();
     const Eigen::Isometry3f T_cam_world = keyframe.T_world_cam.inverse().cast<float>();
     TsdfView view;
@@ -82,7 +94,7 @@ TsdfView view_of(const types::Keyframe& keyframe,
     view.cy_px = static_cast<float>(rig.cy_px);
     view.R_cam_world = T_cam_world.linear();
     view.t_cam_world = T_cam_world.translation();
-    view.voxel_m = static_cast<float>(settings.voxel_m);
+    view.voxel_m = static_cast<float>(std::ldexp(settings.voxel_m, level));
     view.max_depth_m = static_cast<float>(settings.max_depth_m);
     view.max_sigma_m = kMaxSigma_voxels * view.voxel_m;
     view.depth_sigma_scale = static_cast<float>(1.0 / (rig.focal_px * rig.baseline_m));
@@ -91,26 +103,41 @@ TsdfView view_of(const types::Keyframe& keyframe,
 
 // Returns the pixel spacing at which rays still hit every block of a surface at any visible
 // distance.
-int allocation_step_px(const TsdfView& view) {
-    const float farthest_m =
-        std::min(view.max_depth_m,
-                 std::sqrt(view.max_sigma_m / (kMinDisparitySigma_px * view.depth_sigma_scale)));
-    const float apart_m = kAllocationStep_px * farthest_m / view.focal_px;
-    return apart_m <= kMaxStep_voxels * view.voxel_m ? kAllocationStep_px : 1;
+int allocation_step_px(std::span<const TsdfView> views) {
+    const auto hits_all = [](const TsdfView& view) {
+        const float farthest_m = std::min(
+            view.max_depth_m,
+            std::sqrt(view.max_sigma_m / (kMinDisparitySigma_px * view.depth_sigma_scale)));
+        const float apart_m = kAllocationStep_px * farthest_m / view.focal_px;
+        return apart_m <= kMaxStep_voxels * view.voxel_m;
+    };
+    return std::all_of(views.begin(), views.end(), hits_all) ? kAllocationStep_px : 1;
 }
 
 }  // namespace
 
 TsdfVolume::TsdfVolume(VolumeSettings settings)
     : Volume(std::move(settings)),
-      min_weight_(min_weight(settings_.voxel_m)),
-      samples_(settings_.spill) {}
+      regions_(static_cast<std::size_t>(settings_.levels->num_levels())),
+      samples_(settings_.spill) {
+    for (int level = 0; level < settings_.levels->num_levels(); ++level)
+        min_weight_.push_back(min_weight(std::ldexp(settings_.voxel_m, level)));
+}
 
 void TsdfVolume::add(const types::Keyframe& keyframe, const DepthView& depth) {
-    const TsdfView view = view_of(keyframe, depth, settings_);
-    allocate(view, keyframe, depth);
+    std::vector<TsdfView> views;
+    for (int level = 0; level < settings_.levels->num_levels(); ++level)
+        views.push_back(view_of(keyframe, depth, settings_, level));
+    allocate(views, keyframe, depth);
+    for (std::size_t level = 0; level < views.size(); ++level)
+        if (!regions_[level].empty()) update(views[level], regions_[level]);
+    samples_.trim();
+    ++num_views_;
+}
+
+void TsdfVolume::update(const TsdfView& view, const BlockRegions& regions) {
     const DepthRanges ranges(view);
-    const auto visible = regions_.find(VisibleSpace(view, ranges), view.voxel_m);
+    const auto visible = regions.find(VisibleSpace(view, ranges), view.voxel_m);
     std::vector<TsdfBlock*> blocks;
     blocks.reserve(visible.size());
     for (const VisibleBlock& seen : visible) blocks.push_back(&block(seen.number));
@@ -119,43 +146,47 @@ void TsdfVolume::add(const types::Keyframe& keyframe, const DepthView& depth) {
         const VisibleBlock& seen = visible[i];
         update_block(view, ranges, first_sample(coordinates_[seen.number]), seen.place, *blocks[i]);
     });
-    samples_.trim();
-    ++num_views_;
 }
 
 // Allocates the blocks within the truncation distance of the pixels' surface.
-void TsdfVolume::allocate(const TsdfView& view,
+void TsdfVolume::allocate(std::span<const TsdfView> views,
                           const types::Keyframe& keyframe,
                           const DepthView& depth) {
+    const TsdfView& finest = views.front();
     const Eigen::Isometry3f T_voxel_cam(
-        (Eigen::Scaling(1.0F / view.voxel_m) * keyframe.T_world_cam.cast<float>()).matrix());
+        (Eigen::Scaling(1.0F / finest.voxel_m) * keyframe.T_world_cam.cast<float>()).matrix());
     const Eigen::Vector3f eye = T_voxel_cam.translation();
-    const float step = 0.5F * kBlockEdge * view.voxel_m;
-    const int step_px = allocation_step_px(view);
-    RecentBlocks recent;
-    for (int v = 0; v < view.height_px; v += step_px)
-        for (int u = 0; u < view.width_px; u += step_px) {
+    const int step_px = allocation_step_px(views);
+    RecentBlocks recent(*settings_.levels);
+    const auto block_at = [&](const Eigen::Vector3f& p) {
+        return recent.block_at({rounded(p.x()), rounded(p.y()), rounded(p.z())});
+    };
+    for (int v = 0; v < finest.height_px; v += step_px)
+        for (int u = 0; u < finest.width_px; u += step_px) {
             const SurfacePixel& pixel = depth.pixel(u, v);
-            if (!makes_surface(view, pixel)) continue;
+            if (!makes_surface(views.back(), pixel)) continue;
             const Eigen::Vector3f ray =
                 T_voxel_cam.linear() * depth.rig().point_cam(u, v, 1.0).cast<float>();
+            const TsdfView& view =
+                views.size() == 1 ? finest : views[block_at(eye + pixel.depth_m * ray).block.level];
+            if (!makes_surface(view, pixel)) continue;
             const float truncation =
                 truncation_m(view, sigma_z(view, pixel.depth_m, pixel.sigma_disparity_px));
             const float end = pixel.depth_m + truncation;
+            float step = 0.0F;
             for (float z = pixel.depth_m - truncation; z < end + step; z += step) {
-                const Eigen::Vector3f p = eye + std::min(z, end) * ray;
-                const BlockCoordinate at =
-                    block_of({rounded(p.x()), rounded(p.y()), rounded(p.z())});
-                if (!recent.add(at)) continue;
+                const auto [block, is_recent] = block_at(eye + std::min(z, end) * ray);
+                step = 0.5F * kBlockEdge * views[block.level].voxel_m;
+                if (is_recent) continue;
                 const auto [entry, is_new] =
-                    index_.try_emplace(at, static_cast<std::uint32_t>(blocks_.size()));
-                if (is_new) add_block(at);
+                    index_.try_emplace(block, static_cast<std::uint32_t>(blocks_.size()));
+                if (is_new) add_block(block);
             }
         }
 }
 
 void TsdfVolume::add_block(const BlockCoordinate& block) {
-    regions_.add(block, static_cast<std::uint32_t>(blocks_.size()));
+    regions_[block.level].add(block, static_cast<std::uint32_t>(blocks_.size()));
     coordinates_.push_back(block);
     blocks_.push_back(samples_.allocate(sizeof(TsdfBlock)));
     new (samples_.write(blocks_.back())) TsdfBlock;
@@ -168,28 +199,26 @@ const TsdfBlock& TsdfVolume::block(std::uint32_t number) const {
     return *std::launder(reinterpret_cast<const TsdfBlock*>(samples_.read(blocks_[number])));
 }
 
-bool TsdfVolume::is_confirmed(const TsdfBlock& samples, int i) const {
+bool TsdfVolume::is_confirmed(const TsdfBlock& samples, int i, int level) const {
     return (samples.num_views(i) >= std::min(kMinViews, num_views_) || samples.is_unshared(i)) &&
-           unpack_weight(samples.weight[i]) >= min_weight_;
-}
-
-const TsdfBlock* TsdfVolume::find(const BlockCoordinate& coordinate) const {
-    const auto entry = index_.find(coordinate);
-    return entry == index_.end() ? nullptr : &block(entry->second);
+           unpack_weight(samples.weight[i]) >= min_weight_[level];
 }
 
 void TsdfVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const {
     constexpr float kMaxDistanceSteps = kConfirmed_voxels * kDistanceSteps;
-    BlockCoordinate at{INT32_MAX, 0, 0};
+    BlockCoordinate at{INT32_MAX, 0, 0};  // the last point's, of level 0
     const TsdfBlock* samples = nullptr;
+    int level = 0;
     for (const Eigen::Vector3d& p : p_world) {
         const Eigen::Vector3i sample = (p / settings_.voxel_m).array().round().matrix().cast<int>();
         if (const BlockCoordinate here = block_of(sample); here != at) {
             at = here;
-            samples = find(here);
+            const auto entry = index_.find(settings_.levels->block_at(sample));
+            samples = entry == index_.end() ? nullptr : &block(entry->second);
+            level = entry == index_.end() ? 0 : entry->first.level;
         }
-        const int i = index_in_block(sample);
-        *out++ = samples != nullptr && is_confirmed(*samples, i) &&
+        const int i = index_in_block(sample.unaryExpr([&](int x) { return x >> level; }));
+        *out++ = samples != nullptr && is_confirmed(*samples, i, level) &&
                  std::abs(static_cast<float>(samples->distance[i])) < kMaxDistanceSteps;
     }
 }
@@ -197,12 +226,13 @@ void TsdfVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t*
 // The TSDF as the meshers see it: only samples that enough views confirm.
 class TsdfField : public SignedDistanceField {
 public:
-    explicit TsdfField(const TsdfVolume& volume)
-        : volume_(volume), step_m_(static_cast<float>(volume.voxel_m()) / kDistanceSteps) {
+    explicit TsdfField(const TsdfVolume& volume) : volume_(volume) {
         order_.resize(volume.blocks_.size());
         std::iota(order_.begin(), order_.end(), 0U);
         std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-            return volume.coordinates_[a] < volume.coordinates_[b];
+            const BlockCoordinate& first = volume.coordinates_[a];
+            const BlockCoordinate& second = volume.coordinates_[b];
+            return std::pair(first.level, first) < std::pair(second.level, second);
         });
         for (const std::uint32_t i : order_) blocks_.push_back(volume.coordinates_[i]);
     }
@@ -211,10 +241,11 @@ public:
     const std::vector<BlockCoordinate>& blocks() const override { return blocks_; }
     void read_distances(std::size_t block, float* distances_m) const override {
         const TsdfBlock& samples = volume_.block(order_[block]);
-        for (int i = 0; i < kBlockSamples; ++i) distances_m[i] = distance_of(samples, i);
+        const int level = blocks_[block].level;
+        for (int i = 0; i < kBlockSamples; ++i) distances_m[i] = distance_of(samples, i, level);
     }
     float distance_m(std::size_t block, int sample) const override {
-        return distance_of(volume_.block(order_[block]), sample);
+        return distance_of(volume_.block(order_[block]), sample, blocks_[block].level);
     }
     SampleAttributes attributes(std::size_t block, int sample) const override {
         const TsdfBlock& samples = volume_.block(order_[block]);
@@ -231,13 +262,13 @@ public:
     void release_memory() const override { volume_.trim(); }
 
 private:
-    float distance_of(const TsdfBlock& samples, int i) const {
-        return volume_.is_confirmed(samples, i) ? step_m_ * static_cast<float>(samples.distance[i])
-                                                : kUnknownDistance;
+    float distance_of(const TsdfBlock& samples, int i, int level) const {
+        if (!volume_.is_confirmed(samples, i, level)) return kUnknownDistance;
+        const auto voxel_m = static_cast<float>(std::ldexp(volume_.voxel_m(), level));
+        return voxel_m / kDistanceSteps * static_cast<float>(samples.distance[i]);
     }
 
     const TsdfVolume& volume_;
-    float step_m_;
     std::vector<std::uint32_t> order_;
     std::vector<BlockCoordinate> blocks_;
 };
@@ -255,6 +286,7 @@ std::int64_t TsdfVolume::memory_bytes() const {
 void TsdfVolume::save(const std::filesystem::path& path) const {
     base::BinaryWriter file(path);
     put_volume_header(file, kTsdfMagic, settings_);
+    settings_.levels->save(file);
     file.put(num_views_);
     file.put(static_cast<std::uint64_t>(blocks_.size()));
     for (std::uint32_t i = 0; i < blocks_.size(); ++i) {
@@ -267,12 +299,15 @@ void TsdfVolume::save(const std::filesystem::path& path) const {
 
 std::unique_ptr<TsdfVolume> TsdfVolume::load(base::BinaryReader& file, SpillSettings spill) {
     VolumeSettings settings = get_volume_settings(file);
+    settings.levels = std::make_shared<LevelPlan>(LevelPlan::load(file));
     settings.spill = std::move(spill);
     auto volume = std::make_unique<TsdfVolume>(settings);
     volume->num_views_ = file.get<std::uint32_t>();
     const auto num_blocks = file.get<std::uint64_t>();
     for (std::uint32_t i = 0; i < num_blocks && file.ok(); ++i) {
         const auto coordinate = file.get<BlockCoordinate>();
+        if (coordinate.level < 0 || coordinate.level >= volume->settings_.levels->num_levels())
+            return nullptr;
         volume->index_.emplace(coordinate, i);
         volume->add_block(coordinate);
         volume->block(i) = file.get<TsdfBlock>();

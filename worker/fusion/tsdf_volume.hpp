@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -22,8 +23,9 @@ namespace divemesh::fusion {
 // toward far readings, times a ramp at depth discontinuities and the cosine of incidence. Samples
 // are truncated at the larger of three voxels and two sigma. Views whose surface is farther behind
 // a sample than three voxels and four sigma look through it: they carve it with the same weight,
-// which removes what only a few views saw there, such as snow or fish. Blocks that were not in view
-// lately are spilled to disk.
+// which removes what only a few views saw there, such as snow or fish. A place is sampled by the
+// blocks of its level in the plan; views too far away for that level only carve. Blocks that were
+// not in view lately are spilled to disk.
 class TsdfVolume : public Volume {
 public:
     explicit TsdfVolume(VolumeSettings settings);
@@ -40,23 +42,26 @@ public:
 private:
     friend class TsdfField;
 
-    void allocate(const TsdfView& view, const types::Keyframe& keyframe, const DepthView& depth);
+    // `views` are those of one keyframe, one per level.
+    void allocate(std::span<const TsdfView> views,
+                  const types::Keyframe& keyframe,
+                  const DepthView& depth);
+    void update(const TsdfView& view, const BlockRegions& regions);
     void add_block(const BlockCoordinate& block);
     TsdfBlock& block(std::uint32_t number);
     const TsdfBlock& block(std::uint32_t number) const;
-    const TsdfBlock* find(const BlockCoordinate& block) const;  // null: the block does not exist
 
     // Returns whether a sample is known well enough to be surface: enough views saw it, or one that
-    // no other frame could have confirmed, and its sigma is small enough.
-    bool is_confirmed(const TsdfBlock& samples, int i) const;
+    // no other frame could have confirmed, and its sigma is small enough for its level.
+    bool is_confirmed(const TsdfBlock& samples, int i, int level) const;
 
     // Two, as surface that is far away or at the border of a dive has depth in only two views: with
     // three, 4 % of the reference within 10 mm are lost on tank and barge.
     static constexpr std::uint32_t kMinViews = 2;
     std::uint32_t num_views_ = 0;
-    float min_weight_;
+    std::vector<float> min_weight_;             // by level
     std::vector<BlockCoordinate> coordinates_;  // in the order of allocation
-    BlockRegions regions_;                      // the same blocks, by position
+    std::vector<BlockRegions> regions_;         // the same blocks, by level and position
     std::vector<SpillStore::Handle> blocks_;
     SpillStore samples_;
     std::unordered_map<BlockCoordinate, std::uint32_t, BlockCoordinateHash> index_;

@@ -38,10 +38,11 @@ struct VisibleBlock {
     BlockPlace place;
 };
 
-// Blocks by position, so that those in a view are found without testing each block.
+// Blocks of one level by position, so that those in a view are found without testing each block.
 class BlockRegions {
 public:
     void add(const BlockCoordinate& block, std::uint32_t number);
+    bool empty() const { return regions_.empty(); }
     // Returns the blocks that may reach into a space, in an order that depends only on that of
     // add().
     std::vector<VisibleBlock> find(const VisibleSpace& space, float voxel_m) const;

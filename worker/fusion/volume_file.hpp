@@ -8,7 +8,7 @@
 namespace divemesh::fusion {
 
 // The first bytes of a saved volume: its kind and version; its settings follow.
-inline constexpr std::uint32_t kTsdfMagic = 0x32545344;    // "DST2"
+inline constexpr std::uint32_t kTsdfMagic = 0x33545344;    // "DST3"
 inline constexpr std::uint32_t kOctreeMagic = 0x32434f44;  // "DOC2"
 
 inline void put_volume_header(base::BinaryWriter& file,

@@ -94,16 +94,25 @@ struct KeyframeFile {
     const std::uint8_t* sigmas() const { return disparities() + 2 * num_pixels(); }
 };
 
+[[noreturn]] void refuse_missing(const std::filesystem::path& path) {
+    throw Error(ErrorCode::NotFound, "there is no keyframe file " + path.string());
+}
+
+[[noreturn]] void refuse_incomplete(const std::filesystem::path& path) {
+    throw Error(ErrorCode::BadData, "keyframe file is incomplete: " + path.string());
+}
+
+bool is_valid(const Header& header) {
+    return std::memcmp(header.magic, Header{}.magic, sizeof header.magic) == 0 &&
+           header.width_px >= 0 && header.height_px >= 0;
+}
+
 KeyframeFile read_keyframe(const std::filesystem::path& path) {
     KeyframeFile file{read_file(path), {}};
-    if (file.bytes.size() < sizeof file.header)
-        throw Error(ErrorCode::NotFound, "there is no keyframe file " + path.string());
+    if (file.bytes.size() < sizeof file.header) refuse_missing(path);
     std::memcpy(&file.header, file.bytes.data(), sizeof file.header);
-    const Header& header = file.header;
-    const bool is_ours = std::memcmp(header.magic, Header{}.magic, sizeof header.magic) == 0 &&
-                         header.width_px >= 0 && header.height_px >= 0;
-    if (!is_ours || file.bytes.size() != sizeof header + 3 * file.num_pixels())
-        throw Error(ErrorCode::BadData, "keyframe file is incomplete: " + path.string());
+    if (!is_valid(file.header) || file.bytes.size() != sizeof file.header + 3 * file.num_pixels())
+        refuse_incomplete(path);
     return file;
 }
 
@@ -192,6 +201,30 @@ types::KeyframeImages KeyframeStore::read(int frame_index) const {
     images.depth.sigma_disparity_px = restored(file.sigmas(), file.header, CV_8U, kSigmaStep_px);
     if (left_in_color_) images.left_color = left_in_color_(frame_index);
     return rerectifier_ ? rerectifier_->moved(images) : images;
+}
+
+cv::Mat KeyframeStore::read_disparities(int frame_index, int step_px) const {
+    const std::filesystem::path path = file_of(frame_index, "keyframe");
+    std::ifstream file(path, std::ios::binary);
+    Header header;
+    if (!file.read(reinterpret_cast<char*>(&header), sizeof header)) refuse_missing(path);
+    if (!is_valid(header)) refuse_incomplete(path);
+    const auto row_bytes = static_cast<std::streamoff>(sizeof(std::uint16_t)) * header.width_px;
+    if (std::filesystem::file_size(path) !=
+        sizeof header + 3 * static_cast<std::uintmax_t>(header.width_px) * header.height_px)
+        refuse_incomplete(path);
+    std::vector<std::uint16_t> row(static_cast<std::size_t>(header.width_px));
+    cv::Mat disparities((header.height_px + step_px - 1) / step_px,
+                        (header.width_px + step_px - 1) / step_px,
+                        CV_32F);
+    for (int y = 0; y < disparities.rows; ++y) {
+        file.seekg(static_cast<std::streamoff>(sizeof header) + y * step_px * row_bytes);
+        if (!file.read(reinterpret_cast<char*>(row.data()), row_bytes)) refuse_incomplete(path);
+        for (int x = 0; x < disparities.cols; ++x)
+            disparities.at<float>(y, x) =
+                kDisparityStep_px * static_cast<float>(row[std::size_t(x) * step_px]);
+    }
+    return disparities;
 }
 
 cv::Mat KeyframeStore::left_in_color(int frame_index) const {

@@ -8,11 +8,11 @@
 namespace divemesh::pipeline {
 
 DepthViewPrefetcher::DepthViewPrefetcher(const types::RectifiedRig& rig,
-                                         double voxel_m,
+                                         VoxelAt voxel_at,
                                          const std::vector<types::Keyframe>& frames,
                                          const keyframes::KeyframeStore& store,
                                          base::TaskPool& task_pool)
-    : rig_(rig), voxel_m_(voxel_m), frames_(frames), store_(store) {
+    : rig_(rig), voxel_at_(std::move(voxel_at)), frames_(frames), store_(store) {
     for (auto& lane : lanes_) fetch(lane.emplace(task_pool));
 }
 
@@ -39,7 +39,11 @@ void DepthViewPrefetcher::fetch(Lane& lane) {
     if (num_fetched_ == frames_.size()) return;
     lane.task.run([this, &lane, frame = num_fetched_++] {
         const types::KeyframeImages images = store_.read(frames_[frame].frame_index);
-        const fusion::Sampling sampling = fusion::choose_sampling(rig_, images.depth, voxel_m_);
+        const float disparity_px = fusion::median_disparity_px(images.depth);
+        const fusion::Sampling sampling =
+            disparity_px > 0.0F
+                ? fusion::choose_sampling(rig_, images.depth, voxel_at_(rig_.depth_m(disparity_px)))
+                : fusion::Sampling::Full;
         auto view = std::make_shared<fusion::DepthView>(rig_, images, sampling);
         fusion::mark_unshared(motions_to_neighbours(frame), *view);
         lane.view = std::move(view);

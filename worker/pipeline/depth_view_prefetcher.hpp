@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,9 +17,12 @@ namespace divemesh::pipeline {
 // ones are read while the caller works on the current one.
 class DepthViewPrefetcher {
 public:
+    // Returns the voxel for surface at a depth, m; must be thread-safe.
+    using VoxelAt = std::function<double(double depth_m)>;
+
     // `frames` and `store` must outlive it.
     DepthViewPrefetcher(const types::RectifiedRig& rig,
-                        double voxel_m,
+                        VoxelAt voxel_at,
                         const std::vector<types::Keyframe>& frames,
                         const keyframes::KeyframeStore& store,
                         base::TaskPool& task_pool);
@@ -40,7 +44,7 @@ private:
     std::vector<Eigen::Isometry3d> motions_to_neighbours(std::size_t frame) const;
 
     const types::RectifiedRig rig_;
-    const double voxel_m_;
+    const VoxelAt voxel_at_;
     const std::vector<types::Keyframe>& frames_;
     const keyframes::KeyframeStore& store_;
     std::array<std::optional<Lane>, kNumLanes> lanes_;

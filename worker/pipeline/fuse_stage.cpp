@@ -1,3 +1,4 @@
+#include <cmath>
 #include <memory>
 
 #include "worker/fusion/confirmed_points.hpp"
@@ -12,10 +13,13 @@ namespace {
 // Writes the cloud in the background during meshing; everything needed from the volume is read
 // before.
 void write_cloud(Reconstruction& made, std::shared_ptr<const fusion::OctreeVolume> cloud) {
-    const fusion::PointOctree& octree = cloud->octree();
     const auto points = std::make_shared<const fusion::ConfirmedPoints>(
-        octree, *made.volume, made.options().num_threads);
-    made.cloud = {points->size(), octree.leaf_m(), octree.num_points(), octree.size_bytes()};
+        cloud->octrees(), *made.volume, made.options().num_threads);
+    made.cloud = {points->size(), cloud->settings().median_voxel_m(), 0, 0};
+    for (const fusion::PointOctree& octree : cloud->octrees()) {
+        made.cloud.num_octree_points += octree.num_points();
+        made.cloud.octree_bytes += octree.size_bytes();
+    }
     made.cloud_writer.run([file = made.artifact("cloud.ply"), cloud = std::move(cloud), points] {
         io::CloudPlyWriter writer(file, points->size());
         points->for_each([&](const Eigen::Vector3f& p_world, const types::Color& color) {
@@ -64,7 +68,10 @@ void save_fuse(Reconstruction& made, const std::string& key) {
 }
 
 void finish_fuse(Reconstruction& made) {
-    made.voxel_m = made.volume->voxel_m();
+    const fusion::VolumeSettings& settings = made.volume->settings();
+    made.voxels = {settings.median_voxel_m(),
+                   settings.voxel_m,
+                   std::ldexp(settings.voxel_m, settings.levels->num_levels() - 1)};
     made.volume_memory_bytes = made.volume->memory_bytes();
 }
 

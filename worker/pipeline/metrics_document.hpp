@@ -17,7 +17,7 @@
 #include "worker/mesh/image_coverage.hpp"
 #include "worker/mesh/mesh_borders.hpp"
 #include "worker/mesh/simplify_mesh.hpp"
-#include "worker/pipeline/cloud_metrics.hpp"
+#include "worker/pipeline/map_metrics.hpp"
 #include "worker/pipeline/stage_time.hpp"
 #include "worker/types/geographic_position.hpp"
 #include "worker/types/optimised_track.hpp"
@@ -35,7 +35,7 @@ struct MeshMetrics {
     mesh::MeshBorders borders;
     std::vector<mesh::ImageCoverage> coverage;
     std::optional<mesh::SimplificationError> simplification;  // nullopt: not simplified
-    double voxel_m = 0.0;
+    VoxelSizes voxels;
     CloudMetrics cloud;
     std::int64_t volume_memory_bytes = 0;
 };

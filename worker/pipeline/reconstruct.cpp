@@ -1,6 +1,10 @@
 #include "worker/pipeline/reconstruct.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "worker/base/background_task.hpp"
+#include "worker/fusion/voxel_size.hpp"
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/mesh/extract_surface.hpp"
 #include "worker/pipeline/depth_view_prefetcher.hpp"
@@ -16,6 +20,7 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr std::size_t kCloudStep = 6;  // every n-th mapped frame
+constexpr int kPlannedColumns = 80;    // of a frame's depth map by which levels are planned
 
 types::OptimisedTrack as_tracked(const types::Track& track) {
     types::OptimisedTrack result;
@@ -50,6 +55,30 @@ double median_depth_m(const FramesToFuse& input) {
     const types::KeyframeImages images = input.store.read(input.frames.front().frame_index);
     const float disparity_px = fusion::median_disparity_px(images.depth);
     return disparity_px > 0.0F ? input.rig.depth_m(disparity_px) : 0.0;
+}
+
+// Levels are planned unless the user fixed the voxel. The paper's octree and marching cubes know
+// one size.
+fusion::VolumeSettings settings_of_volume(const FramesToFuse& input,
+                                          const ReconstructionOptions& options,
+                                          double median_m,
+                                          const std::filesystem::path& scratch) {
+    fusion::VolumeSettings settings =
+        fusion::choose_settings(input.rig, options, median_m, scratch);
+    if (options.voxel_m > 0.0 || options.fusion != "tsdf" || options.mesher != "surface_nets")
+        return settings;
+    fusion::LevelPlanner planner(input.rig, settings.voxel_m, median_m);
+    const int step_px = std::max(1, input.rig.width_px / kPlannedColumns);
+    for (const types::Keyframe& frame : input.frames)
+        planner.add(
+            frame.T_world_cam, input.store.read_disparities(frame.frame_index, step_px), step_px);
+    fusion::LevelPlanner::Planned planned = planner.finish();
+    settings.voxel_m = planned.voxel_m;
+    settings.levels = std::make_shared<fusion::LevelPlan>(std::move(planned.plan));
+    if (options.max_depth_m <= 0.0)
+        settings.max_depth_m = fusion::choose_max_depth_m(
+            input.rig, std::ldexp(settings.voxel_m, settings.levels->num_levels() - 1));
+    return settings;
 }
 
 }  // namespace
@@ -104,17 +133,24 @@ FusedMap fuse(const FramesToFuse& input,
               const base::ProgressCallback& progress) {
     const std::vector<types::Keyframe>& frames = input.frames;
     FusedMap map;
-    map.volume = fusion::make_volume(input.rig, options, median_depth_m(input), scratch);
-    map.cloud = fusion::make_cloud(map.volume->settings(), options);
+    const double median_m = median_depth_m(input);
+    const fusion::VolumeSettings settings = settings_of_volume(input, options, median_m, scratch);
+    map.volume = fusion::make_volume(settings, options);
+    map.cloud = fusion::make_cloud(settings, options);
     // Consecutive frames see nearly the same points, so all of them are used only if the cloud's
     // points are to be closer than a voxel requires.
-    const std::size_t cloud_step =
-        map.cloud->voxel_m() < 0.5 * map.volume->voxel_m() ? 1 : kCloudStep;
+    const std::size_t cloud_step = map.cloud->voxel_m() < 0.5 * settings.voxel_m ? 1 : kCloudStep;
     Progress done;
     done.stage = "fuse";
     done.num_frames = static_cast<std::int64_t>(frames.size());
     base::TaskPool task_pool(options.num_threads);
-    DepthViewPrefetcher views(input.rig, map.volume->voxel_m(), frames, input.store, task_pool);
+    const auto voxel_at = [&](double depth_m) {
+        return settings.levels->num_levels() == 1
+                   ? settings.voxel_m
+                   : std::ldexp(settings.median_voxel_m(),
+                                fusion::relative_level(input.rig, median_m, depth_m));
+    };
+    DepthViewPrefetcher views(input.rig, voxel_at, frames, input.store, task_pool);
     // Declared after the map, so that it ends first, also if progress() throws.
     base::BackgroundTask cloud(task_pool);
     for (std::size_t i = 0; i < frames.size(); ++i) {

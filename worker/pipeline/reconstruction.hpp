@@ -73,7 +73,7 @@ struct Reconstruction {
 
     // fuse
     std::unique_ptr<fusion::Volume> volume;  // until the mesh is extracted
-    double voxel_m = 0.0;
+    VoxelSizes voxels;
     std::int64_t volume_memory_bytes = 0;
     CloudMetrics cloud;
 

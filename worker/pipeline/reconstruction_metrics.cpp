@@ -42,7 +42,7 @@ std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
                        .borders = made.borders,
                        .coverage = made.coverage,
                        .simplification = made.surface.simplification,
-                       .voxel_m = made.voxel_m,
+                       .voxels = made.voxels,
                        .cloud = made.cloud,
                        .volume_memory_bytes = made.volume_memory_bytes};
 }

@@ -34,12 +34,12 @@ std::vector<Stage<Reconstruction>> reconstruction_stages() {
          .wanted = markers_wanted, .run = run_markers},
 
         {.spec = {.name = "fuse", .share = 0.15,
-                  .reads = {"fusion", "voxel_m", "max_depth_m", "cloud_spacing_m"},
+                  .reads = {"fusion", "mesher", "voxel_m", "max_depth_m", "cloud_spacing_m"},
                   .files = {"volume.stage", "cloud.ply", "cloud.stage"}},
          .wanted = surface_wanted, .load = load_fuse, .run = run_fuse, .save = save_fuse, .finish = finish_fuse},
 
         {.spec = {.name = "mesh", .share = 0.08,
-                  .reads = {"mesher", "max_sigma_m", "simplify", "simplify_error_m"},
+                  .reads = {"max_sigma_m", "simplify", "simplify_error_m"},
                   .files = {"mesh.stage"}},
          .wanted = surface_wanted, .load = load_mesh, .run = run_mesh, .save = save_mesh, .finish = finish_mesh},
 

@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "worker/pipeline/cloud_metrics.hpp"
+#include "worker/pipeline/map_metrics.hpp"
 #include "worker/pipeline/surface.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/rig_alignment.hpp"

@@ -13,6 +13,7 @@
 #include "tests/worker/fusion/synthetic_views.hpp"
 #include "worker/fusion/fusion_volume.hpp"
 #include "worker/fusion/unshared_depth.hpp"
+#include "worker/fusion/voxel_size.hpp"
 #include "worker/mesh/extract_surface.hpp"
 #include "worker/mesh/mesh_borders.hpp"
 #include "worker/mesh/mesh_components.hpp"
@@ -35,7 +36,7 @@ std::unique_ptr<Volume> fuse_views(const SceneDistance& scene,
                                    const std::vector<Eigen::Isometry3d>& poses,
                                    const ReconstructionOptions& options,
                                    const ViewNoise& noise = {}) {
-    auto volume = make_volume(small_rig(), options, 1.0);
+    auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
     unsigned seed = 0;
     for (const auto& pose : poses) {
         const auto view = render_view(scene, small_rig(), pose, noise, ++seed);
@@ -174,7 +175,7 @@ TEST_P(BothVolumes, BothMeshersFindTheSameSurface) {
 
 TEST_P(BothVolumes, WhatOneViewSawIsNotSurface) {
     const auto options = options_for(GetParam());
-    auto volume = make_volume(small_rig(), options, 1.0);
+    auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
     const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };
     const SceneDistance with_fish = [](const Eigen::Vector3d& p) {
         return std::min(p.z(), (p - Eigen::Vector3d(0.0, 0.0, 0.5)).norm() - 0.12);
@@ -196,7 +197,7 @@ TEST(TsdfVolume, WhatNoOtherViewCouldSeeIsSurface) {
     const auto elsewhere = look_at({5.0, 0.0, 1.2}, {5.0, 0.1, 0.0});
     auto poses = views_from_above(8, 1.2);
     poses.push_back(elsewhere);
-    auto volume = make_volume(small_rig(), options, 1.0);
+    auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
     for (const auto& pose : poses) {
         const auto view = render_view(floor, small_rig(), pose);
         DepthView depth(small_rig(), view.images);
@@ -219,7 +220,7 @@ TEST_P(BothVolumes, HalfSamplingLeavesNoHolesFarAway) {
     options.voxel_m = 0.025;
     std::vector<double> areas_m2;
     for (const Sampling sampling : {Sampling::Full, Sampling::Half}) {
-        auto volume = make_volume(small_rig(), options, 1.6);
+        auto volume = make_volume(choose_settings(small_rig(), options, 1.6), options);
         for (int i = 0; i < 4; ++i) {
             const Eigen::Vector3d eye(0.013 * i, 0.007 * i, 1.0);
             const auto view = render_view(
@@ -247,7 +248,7 @@ INSTANTIATE_TEST_SUITE_P(Volumes,
 // through it.
 TEST(TsdfVolume, RaysThatPassCarveAwayWhatSeveralViewsSaw) {
     const auto options = options_for("tsdf");
-    auto volume = make_volume(small_rig(), options, 1.0);
+    auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
     const auto poses = views_from_above(12, 1.2);
     for (int i = 0; i < 12; ++i) {
         const double along = 0.02 * i;  // slow, so that several views agree on a part of it
@@ -268,7 +269,7 @@ class Ghost : public testing::TestWithParam<int> {};
 
 TEST_P(Ghost, ThatFiveViewsLookThroughIsGone) {
     const auto options = options_for("tsdf");
-    auto volume = make_volume(small_rig(), options, 1.0);
+    auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
     const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };
     const SceneDistance with_ghost = [](const Eigen::Vector3d& p) {
         return std::min(p.z(), (p - Eigen::Vector3d(0.0, 0.0, 0.45)).norm() - 0.12);
@@ -296,7 +297,7 @@ INSTANTIATE_TEST_SUITE_P(InTwoViewsAndInFour, Ghost, testing::Values(2, 4));
 TEST(TsdfVolume, NoiseLargerThanStatedDoesNotPushTheSurfaceBack) {
     auto options = options_for("tsdf");
     options.voxel_m = 0.01;
-    auto volume = make_volume(small_rig(), options, 1.0);
+    auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
     const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };
     const auto poses = views_from_above(25, 1.2);
     for (int i = 0; i < 25; ++i) {
@@ -329,7 +330,7 @@ TEST(TsdfVolume, AnEdgeOfTheForegroundGrowsNoSkirt) {
         return std::min(p.z(), box);
     };
     const auto options = options_for("tsdf");
-    auto volume = make_volume(small_rig(), options, 1.0);
+    auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
     for (const auto& pose : views_from_above(10, 1.2)) {
         auto view = render_view(box_on_floor, small_rig(), pose);
         let_foreground_grow(view.images.depth.disparity_px);
@@ -383,7 +384,7 @@ TEST_P(BothVolumes, WhatSpillsToDiskChangesNoByte) {
     std::vector<std::int64_t> memory_bytes;
     for (const bool spilling : {false, true}) {
         options.fusion_memory_bytes = spilling ? std::int64_t{2} << 20 : std::int64_t{1} << 30;
-        auto volume = make_volume(small_rig(), options, 1.0, folder / "");
+        auto volume = make_volume(choose_settings(small_rig(), options, 1.0, folder / ""), options);
         for (const auto& pose : views_from_above(4, 1.2)) {
             const auto view = render_view(bump_on_floor, small_rig(), pose);
             volume->integrate(view.keyframe, view.images);
@@ -404,7 +405,7 @@ TEST_P(BothVolumes, WhatSpillsToDiskChangesNoByte) {
 TEST(TsdfVolume, NearViewsOutweighFarOnesByTheFourthPowerOfTheRange) {
     const SceneDistance wall = [](const Eigen::Vector3d& p) { return p.z(); };
     const auto options = options_for("tsdf");
-    auto volume = make_volume(small_rig(), options, 1.0);
+    auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
     const double far_m = 1.6, bias_px = 0.15;
     const types::RectifiedRig rig = small_rig();
     const double far_error_m = far_m - rig.depth_m(rig.disparity_px(far_m) + bias_px);

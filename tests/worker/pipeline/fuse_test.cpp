@@ -3,6 +3,7 @@
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/fusion/synthetic_views.hpp"
+#include "worker/fusion/voxel_size.hpp"
 #include "worker/pipeline/reconstruct.hpp"
 
 namespace divemesh::pipeline {

@@ -91,7 +91,7 @@ MetricsInput dive_with_everything() {
                              .num_triangles = 1,
                              .area_m2 = 0.5,
                              .simplification = mesh::SimplificationError{9, 0.001, 0.002},
-                             .voxel_m = 0.01};
+                             .voxels = {0.01, 0.005, 0.02}};
     evaluation::KnownDistanceErrors known;
     known.distances = {{"bar", 1.0, 1.01, 8, 9}, {"rib", 2.0, std::nullopt, 0, 9}};
     known.num_measured = 1;

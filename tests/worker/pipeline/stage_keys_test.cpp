@@ -37,9 +37,9 @@ TEST(StageKeysTest, AnOptionChangesTheKeysFromTheStageOnThatReadsIt) {
     EXPECT_NE(voxel.at("mesh"), plain.at("mesh"));
     EXPECT_NE(voxel.at("texture"), plain.at("texture"));
 
-    const StageKeys mesher = keys_with({{"mesher", "marching_cubes"}});
-    EXPECT_EQ(mesher.at("fuse"), plain.at("fuse"));
-    EXPECT_NE(mesher.at("mesh"), plain.at("mesh"));
+    const StageKeys cut = keys_with({{"max_sigma_m", 0.02}});
+    EXPECT_EQ(cut.at("fuse"), plain.at("fuse"));
+    EXPECT_NE(cut.at("mesh"), plain.at("mesh"));
 
     EXPECT_NE(keys_with({{"num_features", 400}}).at("track"), plain.at("track"));
     EXPECT_NE(keys_with({{"refine_lenses", false}}).at("optimise"), plain.at("optimise"));
@@ -134,7 +134,7 @@ TEST(StageKeysTest, EveryOptionIsFirstReadByTheStageThatNamesIt) {
         {"voxel_m", {0.05, "fuse"}},
         {"max_depth_m", {3.0, "fuse"}},
         {"cloud_spacing_m", {0.05, "fuse"}},
-        {"mesher", {"marching_cubes", "mesh"}},
+        {"mesher", {"marching_cubes", "fuse"}},
         {"max_sigma_m", {0.01, "mesh"}},
         {"simplify", {0.5, "mesh"}},
         {"simplify_error_m", {0.01, "mesh"}},

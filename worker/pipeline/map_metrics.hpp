@@ -4,6 +4,13 @@
 
 namespace divemesh::pipeline {
 
+// The edges of voxels where surface was seen at the dive's median depth, nearest and farthest.
+struct VoxelSizes {
+    double median_m = 0.0;
+    double finest_m = 0.0;
+    double coarsest_m = 0.0;
+};
+
 // Metrics of the cloud, known when it is written.
 struct CloudMetrics {
     std::int64_t num_points = 0;  // written
