@@ -22,12 +22,13 @@ struct SampleAttributes {
 
 // A sparse signed distance to the surface: positive on the side of the cameras, unknown away from
 // the surface and where too little was seen. It is the interface of both volumes to both meshers.
+// Blocks are disjoint, and the levels of two that touch differ by one at most (a balanced octree).
 // Thread-safe, except for release_memory().
 class SignedDistanceField {
 public:
     virtual ~SignedDistanceField() = default;
 
-    virtual double voxel_m() const = 0;
+    virtual double voxel_m() const = 0;  // step of the lattice of level 0, the finest
     virtual const std::vector<BlockCoordinate>& blocks() const = 0;  // sorted
     // Writes the 512 distances of a block, m; kUnknownDistance where unknown.
     virtual void read_distances(std::size_t block, float* distances_m) const = 0;

@@ -19,6 +19,7 @@ struct Mesh {
     // Its part that only near neighbours share, or empty.
     std::vector<float> sigma_local_m;
     std::vector<std::uint32_t> num_observations;  // views that saw the vertex, or empty
+    std::vector<float> voxel_m;  // step of the lattice that the vertex was sampled on, or empty
     std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
