@@ -13,10 +13,6 @@ float corner_weight(int corner, const Eigen::Vector3f& place) {
     return weight;
 }
 
-Eigen::Vector3i corner_offset(int corner) {
-    return {corner & 1, (corner >> 1) & 1, (corner >> 2) & 1};
-}
-
 float between(float from, float to, float share) { return from + share * (to - from); }
 
 }  // namespace
@@ -24,11 +20,26 @@ float between(float from, float to, float share) { return from + share * (to - f
 FieldReader::FieldReader(const fusion::SignedDistanceField& field) : field_(field) {
     index_.reserve(field.blocks().size());
     for (std::size_t i = 0; i < field.blocks().size(); ++i) index_.emplace(field.blocks()[i], i);
+    if (field.blocks().empty()) return;
+    const auto [min, max] = std::minmax_element(
+        field.blocks().begin(), field.blocks().end(), [](const auto& a, const auto& b) {
+            return a.level < b.level;
+        });
+    min_level_ = min->level;
+    max_level_ = max->level;
 }
 
 std::size_t FieldReader::find(const fusion::BlockCoordinate& block) const {
     const auto found = index_.find(block);
     return found == index_.end() ? kNone : found->second;
+}
+
+std::size_t FieldReader::find_any(int level, const Eigen::Vector3i& sample) const {
+    for (int at = min_level_; at <= max_level_; ++at)
+        if (const std::size_t block = find(fusion::block_of(point_at(level, sample, at), at));
+            block != kNone)
+            return block;
+    return kNone;
 }
 
 void FieldReader::read(std::size_t block, BlockNeighbourhood& out) const {
@@ -58,22 +69,25 @@ void FieldReader::read(std::size_t block, BlockNeighbourhood& out) const {
     }
 }
 
-std::array<std::size_t, 8> FieldReader::blocks_around(const Eigen::Vector3i& cell) const {
+std::array<std::size_t, 8> FieldReader::blocks_around(int level,
+                                                      const Eigen::Vector3i& cell) const {
     std::array<std::size_t, 8> blocks;
-    blocks[0] = find(fusion::block_of(cell));
+    blocks[0] = find(fusion::block_of(cell, level));
     for (int corner = 1; corner < 8; ++corner) {
         const Eigen::Vector3i sample = cell + corner_offset(corner);
         // The neighbouring corner one step back along one axis.
         const int before = corner & (corner - 1);
         const bool same =
             fusion::block_of(sample) == fusion::block_of(cell + corner_offset(before));
-        blocks[corner] = same ? blocks[before] : find(fusion::block_of(sample));
+        blocks[corner] = same ? blocks[before] : find(fusion::block_of(sample, level));
     }
     return blocks;
 }
 
-bool FieldReader::read_cell(const Eigen::Vector3i& cell, std::array<float, 8>& corners_m) const {
-    const auto blocks = blocks_around(cell);
+bool FieldReader::read_cell(int level,
+                            const Eigen::Vector3i& cell,
+                            std::array<float, 8>& corners_m) const {
+    const auto blocks = blocks_around(level, cell);
     for (int corner = 0; corner < 8; ++corner) {
         const Eigen::Vector3i sample = cell + corner_offset(corner);
         const std::size_t block = blocks[corner];
@@ -84,27 +98,57 @@ bool FieldReader::read_cell(const Eigen::Vector3i& cell, std::array<float, 8>& c
     return true;
 }
 
-fusion::SampleAttributes FieldReader::attributes(const Eigen::Vector3i& cell,
+template <typename Visit>
+void FieldReader::visit_other_levels(int level,
+                                     const Eigen::Vector3i& sample,
+                                     const Visit& visit) const {
+    const std::size_t block = find_any(level, sample);
+    if (block == kNone) return;
+    const int other = field_.blocks()[block].level;
+    const Eigen::Vector3i first = point_at(level, sample, other);
+    const Eigen::Vector3i rest = sample - point_at(other, first, level);
+    for (int corner = 0; corner < 8; ++corner) {  // around the point, where it has none of its own
+        Eigen::Vector3i point = first;
+        float share = 1.0F;
+        for (int axis = 0; axis < 3; ++axis) {
+            const bool far = ((corner >> axis) & 1) != 0;
+            const auto part =
+                other > level ? std::ldexp(static_cast<float>(rest[axis]), level - other) : 0.0F;
+            point[axis] += far ? 1 : 0;
+            share *= far ? part : 1.0F - part;
+        }
+        if (share > 0.0F && fusion::block_of(point, other) == field_.blocks()[block])
+            visit(block, fusion::index_in_block(point), share);
+    }
+}
+
+fusion::SampleAttributes FieldReader::attributes(int level,
+                                                 const Eigen::Vector3i& cell,
                                                  const Eigen::Vector3f& place) const {
     fusion::SampleAttributes mean;
     Eigen::Vector3f color = Eigen::Vector3f::Zero();
     float color_weight = 0.0F;
     float count = 0.0F;
     float weights = 0.0F;
-    const auto blocks = blocks_around(cell);
-    for (int corner = 0; corner < 8; ++corner) {
-        const Eigen::Vector3i sample = cell + corner_offset(corner);
-        const std::size_t block = blocks[corner];
-        if (block == kNone) continue;
-        const fusion::SampleAttributes here =
-            field_.attributes(block, fusion::index_in_block(sample));
-        const float weight = corner_weight(corner, place) + 1e-3F;
+    const auto add = [&](std::size_t block, int index, float weight) {
+        const fusion::SampleAttributes here = field_.attributes(block, index);
         weights += weight;
         mean.sigma_m += weight * here.sigma_m;
         count += weight * static_cast<float>(here.num_observations);
-        if (!here.has_color) continue;
+        if (!here.has_color) return;
         color_weight += weight;
         color += weight * Eigen::Vector3f(here.color[0], here.color[1], here.color[2]);
+    };
+    const auto blocks = blocks_around(level, cell);
+    for (int corner = 0; corner < 8; ++corner) {
+        const Eigen::Vector3i sample = cell + corner_offset(corner);
+        const float weight = corner_weight(corner, place) + 1e-3F;
+        if (blocks[corner] != kNone)
+            add(blocks[corner], fusion::index_in_block(sample), weight);
+        else if (min_level_ != max_level_)
+            visit_other_levels(level, sample, [&](std::size_t block, int index, float share) {
+                add(block, index, share * weight);
+            });
     }
     if (weights <= 0.0F) return mean;
     mean.sigma_m /= weights;
@@ -117,7 +161,8 @@ fusion::SampleAttributes FieldReader::attributes(const Eigen::Vector3i& cell,
     return mean;
 }
 
-Eigen::Vector3f FieldReader::edge_normal(const Eigen::Vector3i& sample,
+Eigen::Vector3f FieldReader::edge_normal(int level,
+                                         const Eigen::Vector3i& sample,
                                          int axis,
                                          float fraction) const {
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
@@ -130,7 +175,7 @@ Eigen::Vector3f FieldReader::edge_normal(const Eigen::Vector3i& sample,
             place[(axis + 1 + side) % 3] = 1.0F;
         }
         std::array<float, 8> corners;
-        if (read_cell(cell, corners)) sum += cell_at(corners, place).gradient_m;
+        if (read_cell(level, cell, corners)) sum += cell_at(corners, place).gradient_m;
     }
     const float length = sum.norm();
     return length > 0.0F ? Eigen::Vector3f(sum / length) : Eigen::Vector3f::UnitZ();

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "schemas/error.hpp"
 #include "worker/mesh/cell_topology.hpp"
 #include "worker/mesh/crossed_cells.hpp"
 #include "worker/mesh/field_reader.hpp"
@@ -34,7 +35,11 @@ constexpr std::uint16_t kNotCrossed = 0xffff;
 class MarchingCubes {
 public:
     MarchingCubes(const fusion::SignedDistanceField& field, const MeshingSettings& settings)
-        : field_(field), settings_(settings), reader_(field), blocks_(field.blocks().size()) {}
+        : field_(field), settings_(settings), reader_(field), blocks_(field.blocks().size()) {
+        if (reader_.min_level() != reader_.max_level())
+            throw Error(ErrorCode::InvalidArgument,
+                        "marching cubes cannot mesh a field of several levels: use surface nets");
+    }
 
     types::Mesh run() {
         phase(0.0, 0.3, [this](std::size_t block) { find_vertices(block); });
@@ -114,7 +119,7 @@ std::uint32_t MarchingCubes::vertex_of(const Eigen::Vector3i& cell, int edge) co
     const int from = cell_edge(edge).from;
     const Eigen::Vector3i sample =
         cell + Eigen::Vector3i(from & 1, (from >> 1) & 1, (from >> 2) & 1);
-    const BlockEdges& edges = blocks_[reader_.find(fusion::block_of(sample))];
+    const BlockEdges& edges = blocks_[reader_.find(fusion::block_of(sample, reader_.min_level()))];
     return edges.first_vertex + edges.index[3 * fusion::index_in_block(sample) + edge / 4];
 }
 
@@ -125,15 +130,17 @@ types::Mesh MarchingCubes::make_mesh(std::uint32_t num_vertices) const {
     mesh.colors.resize(num_vertices);
     mesh.sigma_m.resize(num_vertices);
     mesh.num_observations.resize(num_vertices);
-    const auto voxel = static_cast<float>(field_.voxel_m());
+    const int level = reader_.min_level();
+    const auto voxel = static_cast<float>(reader_.step_m(level));
+    mesh.voxel_m.assign(num_vertices, voxel);
     phase(0.6, 1.0, [&](std::size_t block) {
         for (std::size_t i = 0; i < blocks_[block].vertices.size(); ++i) {
             const EdgeVertex& edge = blocks_[block].vertices[i];
             const std::size_t vertex = blocks_[block].first_vertex + i;
             const Eigen::Vector3f place = edge.fraction * Eigen::Vector3f::Unit(edge.axis);
-            const fusion::SampleAttributes attributes = reader_.attributes(edge.cell, place);
+            const fusion::SampleAttributes attributes = reader_.attributes(level, edge.cell, place);
             mesh.vertices[vertex] = voxel * (edge.cell.cast<float>() + place);
-            mesh.normals[vertex] = reader_.edge_normal(edge.cell, edge.axis, edge.fraction);
+            mesh.normals[vertex] = reader_.edge_normal(level, edge.cell, edge.axis, edge.fraction);
             mesh.colors[vertex] = attributes.color;
             mesh.sigma_m[vertex] = attributes.sigma_m;
             mesh.num_observations[vertex] = attributes.num_observations;

@@ -73,6 +73,7 @@ void remove_unreferenced_vertices(types::Mesh& mesh) {
     keep_entries(mesh.sigma_m, kept);
     keep_entries(mesh.sigma_local_m, kept);
     keep_entries(mesh.num_observations, kept);
+    keep_entries(mesh.voxel_m, kept);
 }
 
 types::Mesh keep_large_components(types::Mesh mesh, double min_area_m2) {

@@ -9,35 +9,13 @@
 #include <vector>
 
 #include "worker/base/uninitialised_vector.hpp"
-#include "worker/mesh/cell_topology.hpp"
-#include "worker/mesh/crossed_cells.hpp"
+#include "worker/mesh/block_net.hpp"
+#include "worker/mesh/block_surroundings.hpp"
 #include "worker/mesh/field_reader.hpp"
+#include "worker/mesh/level_transitions.hpp"
 
 namespace divemesh::mesh {
 namespace {
-
-constexpr std::uint16_t kNoVertex = 0xffff;
-constexpr std::uint32_t kNoIndex = 0xffffffffU;
-
-// A cell that the surface passes through: its signs and its vertices, one per loop.
-struct ActiveCell {
-    std::uint16_t first_vertex = kNoVertex;  // in the block
-    std::uint8_t mask = 0;
-    std::uint8_t joined_face = kNoFace;
-};
-
-struct NetVertex {
-    Eigen::Vector3i cell;
-    Eigen::Vector3f crossing;  // mean of the cell's zeros, in the cell, 0 to 1
-    std::array<float, 8> corners_m;
-    bool single;  // the only sheet in its cell
-};
-
-struct BlockNet {
-    std::vector<ActiveCell> cells;  // 512, or empty if the surface does not pass through the block
-    std::vector<NetVertex> vertices;
-    std::uint32_t first_vertex = 0;  // of the block in the mesh
-};
 
 using Quad = std::array<std::uint32_t, 4>;
 
@@ -49,8 +27,8 @@ public:
     types::Mesh run() {
         phase(0.0, 0.4, nets_.size(), [this](std::size_t block) { find_vertices(block); });
         number_vertices();
-        quads_.resize(nets_.size());
-        phase(0.4, 0.5, nets_.size(), [this](std::size_t block) { find_quads(block); });
+        polygons_.resize(nets_.size());
+        phase(0.4, 0.5, nets_.size(), [this](std::size_t block) { find_polygons(block); });
         link_neighbours();
         read_attributes();
         relax();
@@ -62,10 +40,11 @@ private:
     void phase(double begin, double end, std::size_t num, const Work& work) const;
 
     void find_vertices(std::size_t block);
-    int face_to_join(int mask, const Eigen::Vector3i& cell) const;
-    void add_vertices(BlockNet& net, const Eigen::Vector3i& cell, const std::array<float, 8>& at);
+    int face_to_join(int level, int mask, const Eigen::Vector3i& cell) const;
     void number_vertices();
-    void find_quads(std::size_t block);
+    void find_polygons(std::size_t block);
+    void find_polygons_between_levels(std::size_t block);
+    void add_quads(std::size_t block, const ActiveCell& cell, const Eigen::Vector3i& sample);
     void add_quad(std::size_t block, const Eigen::Vector3i& sample, int axis, bool behind);
     std::uint32_t vertex_of(const Eigen::Vector3i& cell, int edge, std::size_t expected) const;
     void link_neighbours();
@@ -73,6 +52,7 @@ private:
     void sort_links(std::size_t vertex);
     void read_attributes();
     void relax();
+    Eigen::Vector3f place_from(const NetVertex& here, std::uint32_t vertex) const;
     Eigen::Vector3f relaxed(std::size_t vertex) const;
     types::Mesh make_mesh();
     void set_vertex(std::size_t vertex, types::Mesh& mesh) const;
@@ -82,7 +62,7 @@ private:
     const MeshingSettings& settings_;
     FieldReader reader_;
     std::vector<BlockNet> nets_;
-    std::vector<std::vector<Quad>> quads_;
+    std::vector<BlockPolygons> polygons_;
     base::UninitialisedVector<NetVertex> vertices_;
     std::vector<Eigen::Vector3f> places_;  // of the vertices in their cells, 0 to 1
     std::vector<fusion::SampleAttributes> attributes_;
@@ -107,56 +87,38 @@ void SurfaceNets::phase(double begin, double end, std::size_t num, const Work& w
 }
 
 void SurfaceNets::find_vertices(std::size_t block) {
+    BlockNet& net = nets_[block];
+    if (reader_.min_level() != reader_.max_level()) {
+        const BlockSurroundings here(reader_, block);
+        if (!here.one_level()) return find_vertices_between_levels(reader_, here, net);
+    }
     BlockNeighbourhood samples;
     reader_.read(block, samples);
     const auto crossed = find_crossed_cells(samples);
     if (crossed.empty()) return;
+    const int level = field_.blocks()[block].level;
     const Eigen::Vector3i first = fusion::first_sample(field_.blocks()[block]);
-    BlockNet& net = nets_[block];
     net.cells.resize(fusion::kBlockSamples);
-    for (const CrossedCell& cell : crossed) {
-        const int mask = sign_mask(cell.corners_m);
-        ActiveCell& active = net.cells[fusion::index_in_block(cell.place)];
-        active.mask = static_cast<std::uint8_t>(mask);
-        active.joined_face = static_cast<std::uint8_t>(face_to_join(mask, first + cell.place));
-        active.first_vertex = static_cast<std::uint16_t>(net.vertices.size());
-        add_vertices(net, first + cell.place, cell.corners_m);
-    }
+    for (const CrossedCell& cell : crossed)
+        add_cell(net,
+                 level,
+                 first,
+                 cell,
+                 face_to_join(level, sign_mask(cell.corners_m), first + cell.place));
 }
 
 // Returns a face that is folded in this cell and in the one behind it; it is joined in both.
-int SurfaceNets::face_to_join(int mask, const Eigen::Vector3i& cell) const {
+int SurfaceNets::face_to_join(int level, int mask, const Eigen::Vector3i& cell) const {
     const int folded = cell_topology(mask).folded_faces;
     for (int face = 0; face < kNoFace && folded != 0; ++face) {
         if (((folded >> face) & 1) == 0) continue;
         Eigen::Vector3i other = cell;
         other[face / 2] += (face & 1) != 0 ? 1 : -1;
         std::array<float, 8> corners;
-        if (!reader_.read_cell(other, corners)) continue;
+        if (!reader_.read_cell(level, other, corners)) continue;
         if (((cell_topology(sign_mask(corners)).folded_faces >> (face ^ 1)) & 1) != 0) return face;
     }
     return kNoFace;
-}
-
-void SurfaceNets::add_vertices(BlockNet& net,
-                               const Eigen::Vector3i& cell,
-                               const std::array<float, 8>& at) {
-    const ActiveCell& active = net.cells[fusion::index_in_block(cell)];
-    const CellTopology& topology = cell_topology(active.mask, active.joined_face);
-    for (const auto& loop : topology.loops) {
-        NetVertex vertex{cell, Eigen::Vector3f::Zero(), at, topology.loops.size() == 1};
-        for (const int edge : loop) {
-            const CellEdge ends = cell_edge(edge);
-            const float t = at[ends.from] / (at[ends.from] - at[ends.to]);
-            for (int axis = 0; axis < 3; ++axis) {
-                const auto from = static_cast<float>((ends.from >> axis) & 1);
-                const auto to = static_cast<float>((ends.to >> axis) & 1);
-                vertex.crossing[axis] += from + t * (to - from);
-            }
-        }
-        vertex.crossing /= static_cast<float>(loop.size());
-        net.vertices.push_back(vertex);
-    }
 }
 
 void SurfaceNets::number_vertices() {
@@ -179,18 +141,37 @@ void SurfaceNets::number_vertices() {
 
 // Every lattice edge that begins in the block and changes sign is the centre of a quad between its
 // four cells, if each of them has a vertex. One of the four is the cell at the start of the edge.
-void SurfaceNets::find_quads(std::size_t block) {
+void SurfaceNets::find_polygons(std::size_t block) {
     const BlockNet& net = nets_[block];
     if (net.cells.empty()) return;
+    if (!net.one_level) return find_polygons_between_levels(block);
     const Eigen::Vector3i first = fusion::first_sample(field_.blocks()[block]);
+    for (int i = 0; i < fusion::kBlockSamples; ++i)
+        if (net.cells[i].first_vertex != kNoVertex)
+            add_quads(block, net.cells[i], first + Eigen::Vector3i(i & 7, (i >> 3) & 7, i >> 6));
+}
+
+void SurfaceNets::find_polygons_between_levels(std::size_t block) {
+    const BlockNet& net = nets_[block];
+    const BlockSurroundings here(reader_, block);
     for (int i = 0; i < fusion::kBlockSamples; ++i) {
-        const ActiveCell& cell = net.cells[i];
-        if (cell.first_vertex == kNoVertex) continue;
-        const bool behind = (cell.mask & 1) != 0;
-        for (int axis = 0; axis < 3; ++axis)
-            if (behind != (((cell.mask >> (1 << axis)) & 1) != 0))
-                add_quad(block, first + Eigen::Vector3i(i & 7, (i >> 3) & 7, i >> 6), axis, behind);
+        if (net.cells[i].first_vertex == kNoVertex) continue;
+        const Eigen::Vector3i place(i & 7, (i >> 3) & 7, i >> 6);
+        const Eigen::Vector3i cell = here.first_sample() + place;
+        if (place.minCoeff() > 0 && place.maxCoeff() < fusion::kBlockEdge - 1)
+            add_quads(block, net.cells[i], cell);
+        else
+            add_polygons_between_levels(reader_, here, nets_, net.cells[i], cell, polygons_[block]);
     }
+}
+
+void SurfaceNets::add_quads(std::size_t block,
+                            const ActiveCell& cell,
+                            const Eigen::Vector3i& sample) {
+    const bool behind = (cell.mask & 1) != 0;
+    for (int axis = 0; axis < 3; ++axis)
+        if (behind != (((cell.mask >> (1 << axis)) & 1) != 0))
+            add_quad(block, sample, axis, behind);
 }
 
 void SurfaceNets::add_quad(std::size_t block,
@@ -209,24 +190,22 @@ void SurfaceNets::add_quad(std::size_t block,
         if (quad[i] == kNoIndex) return;
     }
     if (!behind) std::swap(quad[1], quad[3]);
-    quads_[block].push_back(quad);
+    polygons_[block].quads.push_back(quad);
 }
 
 // The `expected` block is tried first, as it contains most cells.
 std::uint32_t SurfaceNets::vertex_of(const Eigen::Vector3i& cell,
                                      int edge,
                                      std::size_t expected) const {
-    const fusion::BlockCoordinate place = fusion::block_of(cell);
-    const std::size_t block = place == field_.blocks()[expected] ? expected : reader_.find(place);
-    if (block == FieldReader::kNone || nets_[block].cells.empty()) return kNoIndex;
-    const ActiveCell& active = nets_[block].cells[fusion::index_in_block(cell)];
-    if (active.first_vertex == kNoVertex) return kNoIndex;
-    const int loop = cell_topology(active.mask, active.joined_face).loop_of_edge[edge];
-    return nets_[block].first_vertex + active.first_vertex + static_cast<std::uint32_t>(loop);
+    const fusion::BlockCoordinate& here = field_.blocks()[expected];
+    const fusion::BlockCoordinate place = fusion::block_of(cell, here.level);
+    const std::size_t block = place == here ? expected : reader_.find(place);
+    if (block == FieldReader::kNone) return kNoIndex;
+    return vertex_at(nets_[block], fusion::index_in_block(cell), edge);
 }
 
-// Links vertices along each side of each quad. A side of only one quad is border: its ends do not
-// move, or the net would shrink.
+// Links vertices along each side of each polygon. A side of only one polygon is border: its ends do
+// not move, or the net would shrink.
 void SurfaceNets::link_neighbours() {
     collect_links();
     settings_.progress.at(0.55);
@@ -235,27 +214,33 @@ void SurfaceNets::link_neighbours() {
     phase(0.55, 0.6, vertices_.size(), [this](std::size_t vertex) { sort_links(vertex); });
 }
 
-// Collects both directions of each side of each quad, so that a side between two quads occurs
+// Collects both directions of each side of each polygon, so that a side between two of them occurs
 // twice. The order depends on the threads; sort_links() makes it deterministic.
 void SurfaceNets::collect_links() {
     first_link_.assign(vertices_.size() + 2, 0);
     const auto advanced = [this](std::uint32_t vertex, std::size_t ahead) {
         return std::atomic_ref(first_link_[vertex + ahead]).fetch_add(2, std::memory_order_relaxed);
     };
-    base::for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
-        for (const Quad& quad : quads_[block])
-            for (const std::uint32_t vertex : quad) advanced(vertex, 2);
+    const auto count = [&](const auto& polygon) {
+        for (const std::uint32_t vertex : polygon) advanced(vertex, 2);
+    };
+    base::for_each_index(settings_.num_threads, polygons_.size(), [&](std::size_t block) {
+        for (const auto& quad : polygons_[block].quads) count(quad);
+        for (const auto& triangle : polygons_[block].triangles) count(triangle);
     });
     std::inclusive_scan(first_link_.begin(), first_link_.end(), first_link_.begin());
     links_.resize(first_link_.back());
     // first_link_[v + 1] advances from the start to the end of v's links.
-    base::for_each_index(settings_.num_threads, quads_.size(), [&](std::size_t block) {
-        for (const Quad& quad : quads_[block])
-            for (int i = 0; i < 4; ++i) {
-                const std::uint32_t place = advanced(quad[i], 1);
-                links_[place] = quad[(i + 1) & 3];
-                links_[place + 1] = quad[(i + 3) & 3];
-            }
+    const auto link = [&](const auto& polygon) {
+        for (std::size_t i = 0; i < polygon.size(); ++i) {
+            const std::uint32_t place = advanced(polygon[i], 1);
+            links_[place] = polygon[(i + 1) % polygon.size()];
+            links_[place + 1] = polygon[(i + polygon.size() - 1) % polygon.size()];
+        }
+    };
+    base::for_each_index(settings_.num_threads, polygons_.size(), [&](std::size_t block) {
+        for (const auto& quad : polygons_[block].quads) link(quad);
+        for (const auto& triangle : polygons_[block].triangles) link(triangle);
     });
 }
 
@@ -277,7 +262,7 @@ void SurfaceNets::sort_links(std::size_t vertex) {
 void SurfaceNets::read_attributes() {
     attributes_.resize(vertices_.size());
     phase(0.6, 0.75, vertices_.size(), [this](std::size_t i) {
-        attributes_[i] = reader_.attributes(vertices_[i].cell, places_[i]);
+        attributes_[i] = reader_.attributes(vertices_[i].level, vertices_[i].cell, places_[i]);
     });
 }
 
@@ -293,6 +278,17 @@ void SurfaceNets::relax() {
     }
 }
 
+// Returns where a vertex is in the cell of another one.
+Eigen::Vector3f SurfaceNets::place_from(const NetVertex& here, std::uint32_t vertex) const {
+    const NetVertex& there = vertices_[vertex];
+    if (there.level == here.level) return (there.cell - here.cell).cast<float>() + places_[vertex];
+    const int finest = std::min(there.level, here.level);
+    const Eigen::Vector3i between =
+        point_at(there.level, there.cell, finest) - point_at(here.level, here.cell, finest);
+    return std::ldexp(1.0F, finest - here.level) * between.cast<float>() +
+           std::ldexp(1.0F, there.level - here.level) * places_[vertex];
+}
+
 Eigen::Vector3f SurfaceNets::relaxed(std::size_t vertex) const {
     const NetVertex& here = vertices_[vertex];
     Eigen::Vector3f place = places_[vertex];
@@ -300,8 +296,7 @@ Eigen::Vector3f SurfaceNets::relaxed(std::size_t vertex) const {
     const std::uint32_t begin = first_link_[vertex], end = begin + num_neighbours_[vertex];
     if (on_border_[vertex] == 0 && begin != end) {
         Eigen::Vector3f mean = Eigen::Vector3f::Zero();
-        for (std::uint32_t i = begin; i < end; ++i)
-            mean += (vertices_[links_[i]].cell - here.cell).cast<float>() + places_[links_[i]];
+        for (std::uint32_t i = begin; i < end; ++i) mean += place_from(here, links_[i]);
         place += 0.5F * (mean / static_cast<float>(end - begin) - place);
     }
     place = place.cwiseMax(0.0F).cwiseMin(1.0F);
@@ -328,17 +323,18 @@ types::Mesh SurfaceNets::make_mesh() {
     mesh.colors.resize(num_vertices);
     mesh.sigma_m.resize(num_vertices);
     mesh.num_observations.resize(num_vertices);
+    mesh.voxel_m.resize(num_vertices);
     phase(0.95, 0.97, num_vertices, [&](std::size_t vertex) { set_vertex(vertex, mesh); });
     vertices_ = {};
     places_ = {};
     std::vector<std::size_t> first_triangle;
     std::size_t num_triangles = 0;
-    for (const auto& quads : quads_) {
+    for (const BlockPolygons& polygons : polygons_) {
         first_triangle.push_back(num_triangles);
-        num_triangles += 2 * quads.size();
+        num_triangles += 2 * polygons.quads.size() + polygons.triangles.size();
     }
     mesh.triangles.resize(num_triangles);
-    phase(0.97, 1.0, quads_.size(), [&](std::size_t block) {
+    phase(0.97, 1.0, polygons_.size(), [&](std::size_t block) {
         set_triangles(block, first_triangle[block], mesh);
     });
     return mesh;
@@ -349,17 +345,19 @@ void SurfaceNets::set_vertex(std::size_t vertex, types::Mesh& mesh) const {
     const Eigen::Vector3f& place = places_[vertex];
     const Eigen::Vector3f gradient = cell_at(net.corners_m, place).gradient_m;
     const fusion::SampleAttributes& attributes = attributes_[vertex];
-    mesh.vertices[vertex] = static_cast<float>(field_.voxel_m()) * (net.cell.cast<float>() + place);
+    const auto voxel_m = static_cast<float>(reader_.step_m(net.level));
+    mesh.vertices[vertex] = voxel_m * (net.cell.cast<float>() + place);
     mesh.normals[vertex] =
         gradient.norm() > 0.0F ? Eigen::Vector3f(gradient.normalized()) : Eigen::Vector3f::UnitZ();
     mesh.colors[vertex] = attributes.color;
     mesh.sigma_m[vertex] = attributes.sigma_m;
     mesh.num_observations[vertex] = attributes.num_observations;
+    mesh.voxel_m[vertex] = voxel_m;
 }
 
 // Splits each quad along its shorter diagonal.
 void SurfaceNets::set_triangles(std::size_t block, std::size_t first, types::Mesh& mesh) const {
-    for (const Quad& q : quads_[block]) {
+    for (const Quad& q : polygons_[block].quads) {
         const auto diagonal = [&](int a, int b) {
             return (mesh.vertices[q[a]] - mesh.vertices[q[b]]).squaredNorm();
         };
@@ -367,6 +365,7 @@ void SurfaceNets::set_triangles(std::size_t block, std::size_t first, types::Mes
         mesh.triangles[first++] = {q[start], q[start + 1], q[start + 2]};
         mesh.triangles[first++] = {q[start], q[start + 2], q[(start + 3) & 3]};
     }
+    for (const auto& triangle : polygons_[block].triangles) mesh.triangles[first++] = triangle;
 }
 
 }  // namespace

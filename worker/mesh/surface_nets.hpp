@@ -18,7 +18,7 @@ struct MeshingSettings {
 // in their cell and within one standard deviation of the zero, so that noise is smoothed and the
 // shape stays. A vertex per sheet and rejoined folds (Wenger 2013, section 5.3) keep it a manifold.
 // Vertices are shared across blocks. Cells with an unknown corner have no surface: holes stay
-// holes.
+// holes. Blocks may be of different levels: the mesh has no cracks where they meet.
 types::Mesh surface_nets(const fusion::SignedDistanceField& field, const MeshingSettings& settings);
 
 }  // namespace divemesh::mesh
