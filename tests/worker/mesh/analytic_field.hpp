@@ -24,9 +24,9 @@ public:
           band_([=](int) { return band_m; }),
           blocks_(cube_of_blocks(half_extent_blocks, 0)) {}
 
-    // Has blocks of several levels: those of the `coarsest` are split down to level 0 where `splits`
-    // says so and where two that touch would differ by more than a level. With a band, blocks that
-    // have no known sample are left out.
+    // Has blocks of several levels: those of the `coarsest` are split down to level 0 where
+    // `splits` says so and where two that touch would differ by more than a level. With a band,
+    // blocks that have no known sample are left out.
     AnalyticField(Distance distance,
                   double voxel_m,
                   int half_extent_blocks,
