@@ -91,6 +91,7 @@ private:
     }
     static std::vector<fusion::BlockCoordinate> parts(const fusion::BlockCoordinate& block) {
         std::vector<fusion::BlockCoordinate> parts;
+        parts.reserve(8);
         for (int i = 0; i < 8; ++i)
             parts.push_back({2 * block.x + (i & 1),
                              2 * block.y + ((i >> 1) & 1),

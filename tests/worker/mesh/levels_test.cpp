@@ -109,7 +109,7 @@ void expect_closed_manifold(const MeshTopology& topology, std::int64_t euler_cha
     EXPECT_EQ(topology.euler_characteristic, euler_characteristic);
 }
 
-// Expects every edge to be used as often in one direction as in the other.
+// Returns how many edges are not used as often in one direction as in the other.
 int num_unbalanced_edges(const types::Mesh& mesh) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
     for (const auto& t : mesh.triangles)
@@ -150,7 +150,7 @@ TEST_P(Levels, ATorusHasAHole) {
     }
 }
 
-// A plate is thinner than two voxels of the second level.
+// The plate is 1.6 voxels of the coarsest level thick, and crosses all boundaries between levels.
 TEST_P(Levels, TheSidesOfAPlateStayApart) {
     const double thick = 1.6 * std::ldexp(kVoxel_m, GetParam().coarsest);
     const Eigen::Matrix3d R =
