@@ -42,6 +42,7 @@ void check_mesh(const types::Mesh& mesh) {
     check_length("colors", mesh.colors.size(), num_vertices);
     check_length("sigmas", mesh.sigma_m.size(), num_vertices);
     check_length("local sigmas", mesh.sigma_local_m.size(), num_vertices);
+    check_length("voxels", mesh.voxel_m.size(), num_vertices);
     check_length("observation counts", mesh.num_observations.size(), num_vertices);
     const auto is_finite = [](const Eigen::Vector3f& vertex) { return vertex.allFinite(); };
     if (!std::all_of(mesh.vertices.begin(), mesh.vertices.end(), is_finite))

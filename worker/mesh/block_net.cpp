@@ -43,7 +43,7 @@ void add_cell(BlockNet& net,
         NetVertex vertex{.cell = first_sample + cell.place,
                          .crossing = Eigen::Vector3f::Zero(),
                          .corners_m = at,
-                         .level = static_cast<std::int8_t>(level),
+                         .level = static_cast<std::int16_t>(level),
                          .single = topology.loops.size() == 1};
         for (const int edge : loop) {
             const CellEdge ends = cell_edge(edge);

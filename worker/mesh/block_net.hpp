@@ -24,14 +24,14 @@ inline constexpr std::uint8_t kRefined = kNoFace + 1;
 
 struct RefinedCell {
     std::uint16_t cell = 0;  // in the block
-    std::array<std::int8_t, 81> loop_of_edge;
+    std::array<std::int16_t, 81> loop_of_edge;
 };
 
 struct NetVertex {
     Eigen::Vector3i cell;
     Eigen::Vector3f crossing;  // mean of the cell's zeros, in the cell, 0 to 1
     std::array<float, 8> corners_m;
-    std::int8_t level;
+    std::int16_t level;
     bool single;  // the only sheet in its cell
 };
 

@@ -14,8 +14,8 @@ constexpr std::size_t kNone = FieldReader::kNone;
 // Extrapolated distances are beyond this. Nearer ones are holes, and stay unknown.
 constexpr double kMinExtrapolated_voxels = 1.0;
 
-std::size_t cube_index(const Eigen::Vector3i& cube) {
-    return static_cast<std::size_t>((cube.z() * kNumCubes + cube.y()) * kNumCubes + cube.x());
+int cube_index(const Eigen::Vector3i& cube) {
+    return (cube.z() * kNumCubes + cube.y()) * kNumCubes + cube.x();
 }
 
 template <typename Visit>

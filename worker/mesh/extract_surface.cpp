@@ -26,9 +26,8 @@ types::Mesh extract_surface(const fusion::Volume& volume,
     const MeshingSettings settings{.num_threads = num_threads, .progress = share};
     types::Mesh whole = mesher == "marching_cubes" ? marching_cubes(*field, settings)
                                                    : surface_nets(*field, settings);
-    types::Mesh surface = keep_large_components(
-        std::move(whole), kMinComponent_voxels * volume.voxel_m() * volume.voxel_m());
-    smooth_membrane(surface, volume.voxel_m(), num_threads);
+    types::Mesh surface = keep_large_components(std::move(whole), kMinComponent_voxels);
+    smooth_membrane(surface, num_threads);
     return surface;
 }
 

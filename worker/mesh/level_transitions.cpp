@@ -16,7 +16,7 @@ bool is_on_boundary(const Eigen::Vector3i& place) {
     return place.minCoeff() == 0 || place.maxCoeff() == fusion::kBlockEdge - 1;
 }
 
-// The topology of a cell before any part of a face is joined.
+// Returns whether a part of a face is folded as long as no part is joined.
 bool is_folded(const std::array<float, 8>& corners_m, std::uint32_t split_nodes, int part) {
     if (std::any_of(corners_m.begin(), corners_m.end(), [](float d) { return std::isnan(d); }))
         return false;
@@ -113,7 +113,7 @@ void Transition::add_refined(const CrossedCell& crossed,
         net.vertices.push_back({.cell = cell,
                                 .crossing = loop.crossing,
                                 .corners_m = crossed.corners_m,
-                                .level = static_cast<std::int8_t>(here_.level()),
+                                .level = static_cast<std::int16_t>(here_.level()),
                                 .single = topology.loops.size() == 1});
 }
 

@@ -28,9 +28,9 @@ void keep_entries(std::vector<T>& values, const std::vector<std::uint32_t>& kept
     values.resize(kept.size());
 }
 
-}  // namespace
-
-MeshComponents find_components(const types::Mesh& mesh) {
+// Sums an area of each triangle over its component.
+template <typename Area>
+MeshComponents sum_components(const types::Mesh& mesh, const Area& area) {
     std::vector<std::uint32_t> parent(mesh.vertices.size());
     std::iota(parent.begin(), parent.end(), 0U);
     for (const auto& triangle : mesh.triangles)
@@ -50,9 +50,23 @@ MeshComponents find_components(const types::Mesh& mesh) {
             components.area_m2.push_back(0.0);
         }
         components.of_triangle.push_back(component);
-        components.area_m2[component] += area_of(mesh, triangle);
+        components.area_m2[component] += area(triangle);
     }
     return components;
+}
+
+// Returns the area in faces of the mean voxel of the corners.
+double area_in_voxels(const types::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
+    double voxel_m = 0.0;
+    for (const std::uint32_t vertex : triangle)
+        voxel_m += static_cast<double>(mesh.voxel_m[vertex]) / 3.0;
+    return area_of(mesh, triangle) / (voxel_m * voxel_m);
+}
+
+}  // namespace
+
+MeshComponents find_components(const types::Mesh& mesh) {
+    return sum_components(mesh, [&](const auto& triangle) { return area_of(mesh, triangle); });
 }
 
 void remove_unreferenced_vertices(types::Mesh& mesh) {
@@ -76,11 +90,12 @@ void remove_unreferenced_vertices(types::Mesh& mesh) {
     keep_entries(mesh.voxel_m, kept);
 }
 
-types::Mesh keep_large_components(types::Mesh mesh, double min_area_m2) {
-    const MeshComponents components = find_components(mesh);
+types::Mesh keep_large_components(types::Mesh mesh, double min_area_voxels) {
+    const MeshComponents components =
+        sum_components(mesh, [&](const auto& triangle) { return area_in_voxels(mesh, triangle); });
     std::size_t num_kept = 0;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
-        if (components.area_m2[components.of_triangle[i]] >= min_area_m2)
+        if (components.area_m2[components.of_triangle[i]] >= min_area_voxels)
             mesh.triangles[num_kept++] = mesh.triangles[i];
     mesh.triangles.resize(num_kept);
     remove_unreferenced_vertices(mesh);

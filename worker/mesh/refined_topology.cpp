@@ -61,8 +61,8 @@ private:
     std::uint32_t joined_parts_;
     std::array<float, kNumNodes> distances_m_;
     std::vector<Part> parts_;
-    std::array<std::int8_t, kNumEdges> next_;      // edge of a loop, of each crossed edge
-    std::array<std::int8_t, kNumEdges> length_{};  // in half edges
+    std::array<std::int16_t, kNumEdges> next_;      // edge of a loop, of each crossed edge
+    std::array<std::int16_t, kNumEdges> length_{};  // in half edges
     RefinedTopology topology_;
 };
 
@@ -129,10 +129,10 @@ void Tracer::follow_segments(const Part& part) {
         const int step = is_joined(part) ? part.num_nodes() - 1 : 1;
         do end = (end + step) % part.num_nodes();
         while (!ends(part, end));
-        next_[edge(part, i)] = static_cast<std::int8_t>(edge(part, end));
+        next_[edge(part, i)] = static_cast<std::int16_t>(edge(part, end));
         for (const int k : {i, end})
             length_[edge(part, k)] =
-                static_cast<std::int8_t>((part.node(k + 1) - part.node(k)).cwiseAbs().sum());
+                static_cast<std::int16_t>((part.node(k + 1) - part.node(k)).cwiseAbs().sum());
     }
 }
 
@@ -140,14 +140,12 @@ void Tracer::add_loop(int start) {
     static constexpr std::array<int, 3> kStride = {1, 3, 9};
     RefinedTopology::Loop loop;
     for (int edge = start; topology_.loop_of_edge[edge] < 0; edge = next_[edge]) {
-        topology_.loop_of_edge[edge] = static_cast<std::int8_t>(topology_.loops.size());
+        topology_.loop_of_edge[edge] = static_cast<std::int16_t>(topology_.loops.size());
         const int node = edge / 3, axis = edge % 3;
         const auto length = static_cast<float>(length_[edge]);
         const float from = distances_m_[node];
         const float to = distances_m_[node + length_[edge] * kStride[axis]];
-        Eigen::Vector3f zero(static_cast<float>(node % 3),
-                             static_cast<float>(node / 3 % 3),
-                             static_cast<float>(node / 9));
+        Eigen::Vector3f zero = Eigen::Vector3i(node % 3, node / 3 % 3, node / 9).cast<float>();
         zero[axis] += length * from / (from - to);
         loop.crossing += 0.5F * zero;
         ++loop.num_edges;

@@ -22,7 +22,7 @@ struct RefinedTopology {
             Eigen::Vector3f::Zero();  // mean of its zeros, in the cell, 0 to 1
         int num_edges = 0;
     };
-    std::array<std::int8_t, 81> loop_of_edge;  // -1: not crossed
+    std::array<std::int16_t, 81> loop_of_edge;  // -1: not crossed
     std::vector<Loop> loops;
     std::uint32_t folded_parts = 0;  // ambiguous ones that one loop crosses twice (bit: part)
 };

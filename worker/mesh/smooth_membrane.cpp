@@ -26,8 +26,7 @@ using Points = std::vector<Eigen::Vector4f>;
 
 class Membrane {
 public:
-    Membrane(const types::Mesh& mesh, float voxel_m, int num_threads)
-        : mesh_(mesh), voxel_m_(voxel_m), num_threads_(num_threads) {
+    Membrane(const types::Mesh& mesh, int num_threads) : mesh_(mesh), num_threads_(num_threads) {
         choose();
         link();
     }
@@ -48,7 +47,6 @@ private:
     void for_each_moving(const Work& work) const;  // work(index in vertices())
 
     const types::Mesh& mesh_;
-    float voxel_m_;
     int num_threads_;
     std::vector<std::uint32_t> vertices_;
     std::vector<bool> on_border_;
@@ -69,7 +67,7 @@ void Membrane::choose() {
             balance[triangle[k]] +=
                 base::hash64(triangle[(k + 1) % 3]) - base::hash64(triangle[(k + 2) % 3]);
     for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) {
-        const float sigma_voxels = mesh_.sigma_m[i] / voxel_m_;
+        const float sigma_voxels = mesh_.sigma_m[i] / mesh_.voxel_m[i];
         if (sigma_voxels <= kMinSigma_voxels) continue;
         on_border_.push_back(balance[i] != 0);
         const float reach = std::min(kMaxReach, sigma_voxels / kRoughness_voxels);
@@ -176,9 +174,9 @@ Points smoothed_twice(const Membrane& membrane, const Points& measured) {
 
 }  // namespace
 
-void smooth_membrane(types::Mesh& mesh, double voxel_m, int num_threads) {
-    if (mesh.sigma_m.empty()) return;
-    const Membrane membrane(mesh, static_cast<float>(voxel_m), num_threads);
+void smooth_membrane(types::Mesh& mesh, int num_threads) {
+    if (mesh.sigma_m.empty() || mesh.voxel_m.empty()) return;
+    const Membrane membrane(mesh, num_threads);
     const auto& vertices = membrane.vertices();
     Points measured;
     measured.reserve(vertices.size());

@@ -26,18 +26,18 @@ Values means_around(const types::Mesh& mesh, const Values& values) {
 
 }  // namespace
 
-void finish_sigma(types::Mesh& mesh, double voxel_m, double sigma_poses_m) {
+void finish_sigma(types::Mesh& mesh, double sigma_poses_m) {
     if (mesh.sigma_m.empty()) return;
     mesh.sigma_local_m.resize(mesh.sigma_m.size());
     Values normals;
     normals.reserve(mesh.normals.size());
     for (const Eigen::Vector3f& normal : mesh.normals) normals.emplace_back(normal.homogeneous());
     normals = means_around(mesh, means_around(mesh, normals));
-    const float flattened_m = kFlattened * static_cast<float>(voxel_m);
     const auto poses_m2 = static_cast<float>(sigma_poses_m * sigma_poses_m);
     for (std::size_t i = 0; i < mesh.sigma_m.size(); ++i) {
         const float num_views =
             mesh.num_observations.empty() ? 1.0F : static_cast<float>(mesh.num_observations[i]);
+        const float flattened_m = mesh.voxel_m.empty() ? 0.0F : kFlattened * mesh.voxel_m[i];
         const float alike = 1.0F + kAlike * std::max(0.0F, num_views - 1.0F);
         const float theta2 =
             normals.empty() ? 0.0F : 2.0F * std::max(0.0F, 1.0F - normals[i].head<3>().norm());

@@ -6,7 +6,7 @@ namespace divemesh::mesh {
 
 // Converts the standard deviations from fusion, which assume independent views, into those of the
 // finished surface, along the normal. With W = 1 / sigma^2 the sum of the views' weights, n the
-// number of views and v the edge of a voxel:
+// number of views and v the vertex's voxel_m (without it term 2 is left out):
 //
 //     sigma^2 = (1 + (n - 1) r) / W  +  (c v theta)^2  +  sigma_poses^2
 //
@@ -25,6 +25,6 @@ namespace divemesh::mesh {
 // sigma_local_m keeps only term 1, noise, which makes the surface rougher; term 2 makes it smoother
 // and term 3 moves all vertices alike. Positions and normals do not change. Not covered: fish and
 // snow taken for surface, and calibration errors beyond the stated ones.
-void finish_sigma(types::Mesh& mesh, double voxel_m, double sigma_poses_m);
+void finish_sigma(types::Mesh& mesh, double sigma_poses_m);
 
 }  // namespace divemesh::mesh

@@ -28,9 +28,8 @@ bool load_mesh(Reconstruction& made, const std::string& key) {
 
 void run_mesh(Reconstruction& made, const base::ProgressCallback& progress) {
     types::Mesh surface = mesh(*made.volume, made.options(), progress);
-    mesh::finish_sigma(surface,
-                       made.voxels.median_m,
-                       optimisation::shared_sigma_m(made.optimised.statistics.path));
+    mesh::finish_sigma(surface, optimisation::shared_sigma_m(made.optimised.statistics.path));
+    surface.voxel_m = {};  // not needed any more
     if (const double limit_m = made.options().max_sigma_m; limit_m > 0.0)
         surface = mesh::cut_by_sigma(std::move(surface), limit_m);
     made.surface = simplified(std::move(surface), made.options());

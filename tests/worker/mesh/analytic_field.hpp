@@ -24,9 +24,9 @@ public:
           band_([=](int) { return band_m; }),
           blocks_(cube_of_blocks(half_extent_blocks, 0)) {}
 
-    // Has blocks of several levels: those of the `coarsest` are split down to level 0 where `splits`
-    // says so and where two that touch would differ by more than a level. With a band, blocks that
-    // have no known sample are left out.
+    // Has blocks of several levels: those of the `coarsest` are split down to level 0 where
+    // `splits` says so and where two that touch would differ by more than a level. With a band,
+    // blocks that have no known sample are left out.
     AnalyticField(Distance distance,
                   double voxel_m,
                   int half_extent_blocks,
@@ -91,6 +91,7 @@ private:
     }
     static std::vector<fusion::BlockCoordinate> parts(const fusion::BlockCoordinate& block) {
         std::vector<fusion::BlockCoordinate> parts;
+        parts.reserve(8);
         for (int i = 0; i < 8; ++i)
             parts.push_back({2 * block.x + (i & 1),
                              2 * block.y + ((i >> 1) & 1),

@@ -13,6 +13,7 @@ types::Mesh strip(const std::vector<float>& sigma_m) {
         mesh.normals.emplace_back(0.0F, 0.0F, 1.0F);
         mesh.colors.push_back({static_cast<std::uint8_t>(i), 0, 0});
         mesh.num_observations.push_back(static_cast<std::uint32_t>(i));
+        mesh.voxel_m.push_back(static_cast<float>(i));
     }
     mesh.sigma_m = sigma_m;
     for (std::uint32_t i = 0; i + 2 < sigma_m.size(); ++i)
@@ -28,6 +29,7 @@ TEST(CutBySigma, ATriangleGoesWithItsWorstVertex) {
     for (std::uint32_t i = 0; i < 4; ++i) {
         EXPECT_EQ(cut.vertices[i].x(), static_cast<float>(i));
         EXPECT_EQ(cut.num_observations[i], i);
+        EXPECT_EQ(cut.voxel_m[i], static_cast<float>(i));
         EXPECT_LE(cut.sigma_m[i], 0.005F);
     }
 }

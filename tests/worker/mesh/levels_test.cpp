@@ -1,8 +1,11 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
+#include <map>
 #include <numbers>
-#include <random>
+#include <set>
+#include <string>
+#include <utility>
 
 #include "schemas/error.hpp"
 #include "tests/worker/mesh/analytic_field.hpp"
@@ -36,9 +39,7 @@ std::vector<Spread> spreads() {
         {"AFaceBetweenTwoLevels",
          1,
          [](const Block&, const Eigen::Vector3d& p) { return p.x() < 0.0; }},
-        {"AFaceTheOtherWay",
-         1,
-         [](const Block&, const Eigen::Vector3d& p) { return p.y() > 0.0; }},
+        {"AFaceTheOtherWay", 1, [](const Block&, const Eigen::Vector3d& p) { return p.y() > 0.0; }},
         {"AnEdge",
          1,
          [](const Block&, const Eigen::Vector3d& p) { return p.x() < 0.0 && p.z() < 0.0; }},
@@ -46,9 +47,7 @@ std::vector<Spread> spreads() {
         {"AllButACorner",
          1,
          [](const Block&, const Eigen::Vector3d& p) { return p.maxCoeff() > 0.0; }},
-        {"Checkers",
-         1,
-         [](const Block&, const Eigen::Vector3d& p) { return p.prod() > 0.0; }},
+        {"Checkers", 1, [](const Block&, const Eigen::Vector3d& p) { return p.prod() > 0.0; }},
         {"ThreeLevelsAlongX",
          2,
          [](const Block& b, const Eigen::Vector3d& p) {
@@ -59,7 +58,9 @@ std::vector<Spread> spreads() {
          [](const Block& b, const Eigen::Vector3d& p) {
              return (p - Eigen::Vector3d(0.2, 0.1, 0.1)).norm() < 0.2 * b.level;
          }},
-        {"TwoLevelsByHash", 1, [](const Block& b, const Eigen::Vector3d&) { return by_hash(b, 7); }},
+        {"TwoLevelsByHash",
+         1,
+         [](const Block& b, const Eigen::Vector3d&) { return by_hash(b, 7); }},
         {"ThreeLevelsByHash",
          2,
          [](const Block& b, const Eigen::Vector3d&) { return by_hash(b, 3); }},
@@ -68,6 +69,9 @@ std::vector<Spread> spreads() {
          [](const Block& b, const Eigen::Vector3d&) { return by_hash(b, 5); }},
     };
 }
+
+// Area of a plane through the fields.
+constexpr double kExtent_m2 = 16 * 8 * kVoxel_m * 16 * 8 * kVoxel_m;
 
 AnalyticField make_field(const AnalyticField::Distance& distance,
                          const Spread& spread,
@@ -105,7 +109,7 @@ void expect_closed_manifold(const MeshTopology& topology, std::int64_t euler_cha
     EXPECT_EQ(topology.euler_characteristic, euler_characteristic);
 }
 
-// Expects every edge to be used as often in one direction as in the other.
+// Returns how many edges are not used as often in one direction as in the other.
 int num_unbalanced_edges(const types::Mesh& mesh) {
     std::map<std::pair<std::uint32_t, std::uint32_t>, int> balance;
     for (const auto& t : mesh.triangles)
@@ -129,7 +133,6 @@ TEST_P(Levels, ASphereIsClosedAndOfItsAreaAndVolume) {
         EXPECT_NEAR(topology.area_m2 / (4.0 * kPi * radius * radius), 1.0, 0.01);
         EXPECT_NEAR(topology.volume_m3 / (4.0 / 3.0 * kPi * std::pow(radius, 3)), 1.0, 0.01);
         EXPECT_LT(worst_voxels(surface, ball), 0.1);
-        if (std::getenv("FIGURES")) printf("%s band %g area %+.3f%% volume %+.3f%% worst %.3f\n", GetParam().name.c_str(), band_voxels, 100*(topology.area_m2 / (4.0 * kPi * radius * radius)-1), 100*(topology.volume_m3 / (4.0 / 3.0 * kPi * std::pow(radius, 3))-1), worst_voxels(surface, ball));
     }
 }
 
@@ -144,14 +147,14 @@ TEST_P(Levels, ATorusHasAHole) {
         EXPECT_NEAR(topology.area_m2 / (4.0 * kPi * kPi * 0.33 * 0.17), 1.0, 0.01);
         EXPECT_NEAR(topology.volume_m3 / (2.0 * kPi * kPi * 0.33 * 0.17 * 0.17), 1.0, 0.01);
         EXPECT_LT(worst_voxels(surface, torus), 0.15);
-        if (std::getenv("FIGURES")) printf("torus %s band %g area %+.3f%% volume %+.3f%% worst %.3f\n", GetParam().name.c_str(), band_voxels, 100*(topology.area_m2 / (4.0 * kPi * kPi * 0.33 * 0.17)-1), 100*(topology.volume_m3 / (2.0 * kPi * kPi * 0.33 * 0.17 * 0.17)-1), worst_voxels(surface, torus));
     }
 }
 
-// A plate is thinner than two voxels of the second level.
+// The plate is 1.6 voxels of the coarsest level thick, and crosses all boundaries between levels.
 TEST_P(Levels, TheSidesOfAPlateStayApart) {
     const double thick = 1.6 * std::ldexp(kVoxel_m, GetParam().coarsest);
-    const Eigen::Matrix3d R = Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
+    const Eigen::Matrix3d R =
+        Eigen::AngleAxisd(0.3, Eigen::Vector3d(1, 2, 3).normalized()).matrix();
     const auto plate = [=](const Eigen::Vector3d& p) {
         const Eigen::Vector3d q = R * p - Eigen::Vector3d(0.004, 0.002, 0.003);
         const Eigen::Array3d past = q.array().abs() - Eigen::Array3d(0.3, 0.3, 0.5 * thick);
@@ -170,10 +173,10 @@ TEST_P(Levels, ATiltedPlaneIsFlat) {
     const auto plane = [=](const Eigen::Vector3d& p) { return normal.dot(p) - 0.0123; };
     for (const double band_voxels : {1e9, kBand_voxels}) {
         const types::Mesh surface = surface_nets(field(plane, band_voxels), {.num_threads = 2});
-        EXPECT_LT(worst_voxels(surface, plane), 0.01);
+        EXPECT_LT(worst_voxels(surface, plane), 0.05);  // what relaxing in the cell leaves
         EXPECT_EQ(check_topology(surface).num_misoriented_edges, 0);
         EXPECT_EQ(check_topology(surface).euler_characteristic, 1);
-        EXPECT_NEAR(check_topology(surface).area_m2, 1.6 * 1.6, 0.4);
+        EXPECT_NEAR(check_topology(surface).area_m2, kExtent_m2 / normal.z(), 0.2 * kExtent_m2);
         int num_flipped = 0;
         for (const auto& t : surface.triangles) {
             const Eigen::Vector3f cross =
@@ -187,9 +190,9 @@ TEST_P(Levels, ATiltedPlaneIsFlat) {
 
 TEST_P(Levels, RandomSignsGiveAClosedOrientedSurface) {
     std::int64_t num_edges = 0, num_nonmanifold = 0;
-    for (unsigned seed = 1; seed <= 3; ++seed) {
+    for (unsigned seed = 1; seed <= 2; ++seed) {
         const auto noise = [&](const Eigen::Vector3d& p) {
-            if (p.cwiseAbs().maxCoeff() > 0.55) return 1.0;
+            if (p.cwiseAbs().maxCoeff() > 0.25) return 1.0;
             const Eigen::Vector3i i = (p / kVoxel_m).array().round().cast<int>();
             const std::uint64_t hash = base::hash64(
                 seed + base::hash64(i.x() + base::hash64(i.y() + base::hash64(i.z()))));
@@ -204,8 +207,7 @@ TEST_P(Levels, RandomSignsGiveAClosedOrientedSurface) {
         num_edges += static_cast<std::int64_t>(surface.triangles.size()) * 3 / 2;
         num_nonmanifold += topology.num_nonmanifold_edges;
     }
-    if (std::getenv("FIGURES")) printf("noise %s nonmanifold %ld of %ld\n", GetParam().name.c_str(), num_nonmanifold, num_edges);
-    EXPECT_LT(num_nonmanifold, num_edges / 1000);
+    EXPECT_EQ(num_nonmanifold, 0) << "of " << num_edges;
 }
 
 TEST_P(Levels, AHoleStaysAHole) {
@@ -215,10 +217,9 @@ TEST_P(Levels, AHoleStaysAHole) {
     const types::Mesh surface = surface_nets(field(disc, kBand_voxels), {.num_threads = 2});
     const double area_m2 = check_topology(surface).area_m2;
     EXPECT_EQ(check_topology(surface).euler_characteristic, 0);
-    EXPECT_LT(area_m2, 1.6 * 1.6 - kPi * 0.2 * 0.2);
-    EXPECT_GT(area_m2, 1.6 * 1.6 - 1.6 * kPi * 0.2 * 0.2 - 4 * 0.08 * 1.6);
+    EXPECT_NEAR(area_m2, kExtent_m2 - kPi * 0.2 * 0.2, 0.15 * kExtent_m2);
     for (const auto& vertex : surface.vertices)
-        EXPECT_GT(std::hypot(vertex.x() - 0.05F, vertex.y()), 0.2F - 0.02F);
+        EXPECT_GT(std::hypot(vertex.x() - 0.05F, vertex.y()), 0.2F - 0.01F);
 }
 
 TEST_P(Levels, OneThreadAndTwoGiveTheSameBytes) {

@@ -28,6 +28,7 @@ types::Mesh noisy_plane(std::uint32_t num_cells, float sigma_m) {
                 0.01F * static_cast<float>(x), 0.01F * static_cast<float>(y), noise(random));
             mesh.normals.emplace_back(0, 0, 1);
             mesh.sigma_m.push_back(sigma_m);
+            mesh.voxel_m.push_back(static_cast<float>(kVoxel_m));
         }
     for (std::uint32_t y = 0; y < num_cells; ++y)
         for (std::uint32_t x = 0; x < num_cells; ++x) {
@@ -53,7 +54,7 @@ double rms_height_m(const types::Mesh& mesh, std::uint32_t num_cells, std::uint3
 // wave numbers k) of the variance sigma^2 of white noise: 0.080 sigma.
 TEST(SmoothMembrane, WhiteNoiseOnAPlaneGoesDownAsTheMembraneSays) {
     types::Mesh mesh = noisy_plane(200, 0.02F);
-    smooth_membrane(mesh, kVoxel_m, 2);
+    smooth_membrane(mesh, 2);
     EXPECT_NEAR(rms_height_m(mesh, 200, 70) / 0.02, 0.080, 0.012);
     EXPECT_GT(mesh.normals[100 * 201 + 100].z(), 0.95F);
 }
@@ -61,7 +62,7 @@ TEST(SmoothMembrane, WhiteNoiseOnAPlaneGoesDownAsTheMembraneSays) {
 TEST(SmoothMembrane, WhatIsKnownWellStaysPut) {
     const types::Mesh sharp = noisy_plane(40, 0.004F);
     types::Mesh mesh = sharp;
-    smooth_membrane(mesh, kVoxel_m, 1);
+    smooth_membrane(mesh, 1);
     EXPECT_EQ(mesh.vertices, sharp.vertices);
 }
 
@@ -105,7 +106,7 @@ TEST(SmoothMembrane, ComesToRestOnATornSurface) {
         std::mt19937 random(seed);
         std::erase_if(mesh.triangles, [&](const auto&) { return random() % 5 == 0; });
         const AtRest expected = at_rest(mesh);
-        smooth_membrane(mesh, kVoxel_m, 1);
+        smooth_membrane(mesh, 1);
         double worst_m = 0.0;
         for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
             if (!expected.on_border[i])  // border vertices move along their normals only
@@ -117,7 +118,7 @@ TEST(SmoothMembrane, ComesToRestOnATornSurface) {
 TEST(SmoothMembrane, BordersAreEvenedOutButKeepTheirOutline) {
     const types::Mesh before = noisy_plane(100, 0.02F);
     types::Mesh mesh = before;
-    smooth_membrane(mesh, kVoxel_m, 1);
+    smooth_membrane(mesh, 1);
     double heights = 0.0;
     for (std::uint32_t i = 10; i <= 90; ++i) {
         EXPECT_LT((mesh.vertices[i] - before.vertices[i]).head<2>().norm(), 0.015F);
@@ -131,7 +132,7 @@ TEST(SmoothMembrane, ABallKeepsItsSize) {
     types::Mesh mesh = surface_nets(AnalyticField(sphere(center.cast<double>(), 0.3), kVoxel_m, 6),
                                     {.num_threads = 2});
     mesh.sigma_m.assign(mesh.vertices.size(), 0.02F);
-    smooth_membrane(mesh, kVoxel_m, 2);
+    smooth_membrane(mesh, 2);
     double sum_m = 0.0;
     for (const auto& vertex : mesh.vertices) sum_m += (vertex - center).norm();
     EXPECT_NEAR(sum_m / static_cast<double>(mesh.vertices.size()), 0.3, 0.1 * 0.02);
@@ -141,15 +142,28 @@ TEST(SmoothMembrane, NothingMovesFartherThanThreeSigmas) {
     const types::Mesh before = noisy_plane(60, 0.02F);
     types::Mesh mesh = before;
     mesh.vertices[30 * 61 + 30].z() = 0.5F;
-    smooth_membrane(mesh, kVoxel_m, 1);
+    smooth_membrane(mesh, 1);
     EXPECT_NEAR(mesh.vertices[30 * 61 + 30].z(), 0.5F - 0.06F, 1e-4F);
+}
+
+// The membrane of a vertex depends on sigma in its own voxels alone.
+TEST(SmoothMembrane, ALargerVoxelIsSmoothedLikeASmallerOne) {
+    types::Mesh small = noisy_plane(60, 0.02F);
+    types::Mesh large = small;
+    for (auto& vertex : large.vertices) vertex *= 2.0F;
+    for (float& sigma_m : large.sigma_m) sigma_m *= 2.0F;
+    for (float& voxel_m : large.voxel_m) voxel_m *= 2.0F;
+    smooth_membrane(small, 1);
+    smooth_membrane(large, 1);
+    for (std::size_t i = 0; i < small.vertices.size(); ++i)
+        EXPECT_EQ(2.0F * small.vertices[i], large.vertices[i]);
 }
 
 TEST(SmoothMembrane, OneThreadAndTwoGiveTheSameBytes) {
     types::Mesh one = noisy_plane(100, 0.02F);
     types::Mesh two = one;
-    smooth_membrane(one, kVoxel_m, 1);
-    smooth_membrane(two, kVoxel_m, 2);
+    smooth_membrane(one, 1);
+    smooth_membrane(two, 2);
     EXPECT_EQ(one.vertices, two.vertices);
     EXPECT_EQ(one.normals, two.normals);
 }

@@ -35,6 +35,7 @@ types::Mesh sheet(double radius_m, float sigma_m, std::uint32_t num_views) {
             mesh.triangles.push_back({a, d, c});
         }
     mesh.sigma_m.assign(mesh.vertices.size(), sigma_m);
+    mesh.voxel_m.assign(mesh.vertices.size(), static_cast<float>(kVoxel_m));
     mesh.num_observations.assign(mesh.vertices.size(), num_views);
     return mesh;
 }
@@ -57,7 +58,7 @@ TEST(VertexSigmaTest, OfAPlaneSeenByViewsThatErrPartlyAlikeIsTheSpreadOfManyTria
 
     types::Mesh plane = sheet(
         0.0, static_cast<float>(kMetrePerPx * kOne_px / std::sqrt(double{kNumViews})), kNumViews);
-    finish_sigma(plane, kVoxel_m, 0.0);
+    finish_sigma(plane, 0.0);
     EXPECT_NEAR(at_middle(plane), std::sqrt(squares), 0.05 * std::sqrt(squares));
 }
 
@@ -71,14 +72,14 @@ TEST(VertexSigmaTest, OfABendIsWhatAveragingAcrossItTakesOff) {
         sagged_m += (kRadius_m - std::sqrt(kRadius_m * kRadius_m - x * x)) / kNum;
     }
     types::Mesh bend = sheet(kRadius_m, 0.0F, 5);
-    finish_sigma(bend, kVoxel_m, 0.0);
+    finish_sigma(bend, 0.0);
     EXPECT_NEAR(at_middle(bend), sagged_m, 0.15 * sagged_m);
 }
 
 TEST(VertexSigmaTest, HoldsWhatThePosesErrByAndLeavesTheShape) {
     const types::Mesh before = sheet(0.0, 0.003F, 1);
     types::Mesh after = before;
-    finish_sigma(after, kVoxel_m, 0.004);
+    finish_sigma(after, 0.004);
     EXPECT_NEAR(at_middle(after), 0.005, 1e-6);
     EXPECT_NEAR(after.sigma_local_m[kEdge * kEdge / 2], 0.003, 1e-6);
     EXPECT_EQ(after.vertices, before.vertices);
@@ -89,7 +90,7 @@ TEST(VertexSigmaTest, HoldsWhatThePosesErrByAndLeavesTheShape) {
 TEST(VertexSigmaTest, AMeshWithoutSigmaStaysWithout) {
     types::Mesh bare = sheet(0.0, 0.0F, 1);
     bare.sigma_m.clear();
-    finish_sigma(bare, kVoxel_m, 0.004);
+    finish_sigma(bare, 0.004);
     EXPECT_TRUE(bare.sigma_m.empty());
 }
 
