@@ -32,6 +32,16 @@ float min_weight(double voxel_m) {
     return 1.0F / (sigma_m * sigma_m);
 }
 
+// Returns the voxel by which the noise of surface is judged, in place of the level's own. At fine
+// levels it is that of the median depth, as such surface was seen from farther away too. At coarse
+// ones it grows by a fifth per level: with all of the level's voxel 4.2 % of the barge are farther
+// than 50 mm from the truth, with this 1.8 % (without levels 1.7 %), with that of the median depth
+// alone 4 % of what lies within 20 mm are lost.
+double tolerated_voxel_m(const VolumeSettings& settings, int level) {
+    const int coarser = std::max(0, level - settings.levels->median_level());
+    return settings.median_voxel_m() * std::exp2(0.25 * coarser);
+}
+
 float truncation_m(const TsdfView& view, float sigma) {
     return std::max(kTruncation_voxels * view.voxel_m, kTruncation_sigmas * sigma);
 }
@@ -56,24 +66,20 @@ class RecentBlocks {
 public:
     explicit RecentBlocks(const LevelPlan& plan) : plan_(plan) {}
 
-    struct Found {
-        BlockCoordinate block;
-        bool is_recent;
-    };
-    // Returns the block that holds a lattice point of level 0.
-    Found block_at(const Eigen::Vector3i& sample) {
-        const BlockCoordinate finest = block_of(sample);
-        Place& place = places_[BlockCoordinateHash()(finest) % kNumPlaces];
-        if (place.finest == finest) return {place.block, true};
-        place = {finest, plan_.block_at(sample)};
-        return {place.block, false};
-    }
-
-private:
     struct Place {
         BlockCoordinate finest{INT32_MAX, 0, 0};
         BlockCoordinate block;
+        bool is_allocated = false;
     };
+    // Returns the place of a lattice point of level 0 and its block.
+    Place& at(const Eigen::Vector3i& sample) {
+        const BlockCoordinate finest = block_of(sample);
+        Place& place = places_[BlockCoordinateHash()(finest) % kNumPlaces];
+        if (place.finest != finest) place = {finest, plan_.block_at(sample), false};
+        return place;
+    }
+
+private:
     static constexpr std::size_t kNumPlaces = 1024;
     const LevelPlan& plan_;
     std::vector<Place> places_ = std::vector<Place>(kNumPlaces);
@@ -96,7 +102,7 @@ TsdfView view_of(const types::Keyframe& keyframe,
     view.t_cam_world = T_cam_world.translation();
     view.voxel_m = static_cast<float>(std::ldexp(settings.voxel_m, level));
     view.max_depth_m = static_cast<float>(settings.max_depth_m);
-    view.max_sigma_m = kMaxSigma_voxels * view.voxel_m;
+    view.max_sigma_m = kMaxSigma_voxels * static_cast<float>(tolerated_voxel_m(settings, level));
     view.depth_sigma_scale = static_cast<float>(1.0 / (rig.focal_px * rig.baseline_m));
     return view;
 }
@@ -121,7 +127,7 @@ TsdfVolume::TsdfVolume(VolumeSettings settings)
       regions_(static_cast<std::size_t>(settings_.levels->num_levels())),
       samples_(settings_.spill) {
     for (int level = 0; level < settings_.levels->num_levels(); ++level)
-        min_weight_.push_back(min_weight(std::ldexp(settings_.voxel_m, level)));
+        min_weight_.push_back(min_weight(tolerated_voxel_m(settings_, level)));
 }
 
 void TsdfVolume::add(const types::Keyframe& keyframe, const DepthView& depth) {
@@ -158,8 +164,8 @@ void TsdfVolume::allocate(std::span<const TsdfView> views,
     const Eigen::Vector3f eye = T_voxel_cam.translation();
     const int step_px = allocation_step_px(views);
     RecentBlocks recent(*settings_.levels);
-    const auto block_at = [&](const Eigen::Vector3f& p) {
-        return recent.block_at({rounded(p.x()), rounded(p.y()), rounded(p.z())});
+    const auto place_at = [&](const Eigen::Vector3f& p) -> RecentBlocks::Place& {
+        return recent.at({rounded(p.x()), rounded(p.y()), rounded(p.z())});
     };
     for (int v = 0; v < finest.height_px; v += step_px)
         for (int u = 0; u < finest.width_px; u += step_px) {
@@ -167,20 +173,27 @@ void TsdfVolume::allocate(std::span<const TsdfView> views,
             if (!makes_surface(views.back(), pixel)) continue;
             const Eigen::Vector3f ray =
                 T_voxel_cam.linear() * depth.rig().point_cam(u, v, 1.0).cast<float>();
-            const TsdfView& view =
-                views.size() == 1 ? finest : views[block_at(eye + pixel.depth_m * ray).block.level];
-            if (!makes_surface(view, pixel)) continue;
-            const float truncation =
-                truncation_m(view, sigma_z(view, pixel.depth_m, pixel.sigma_disparity_px));
-            const float end = pixel.depth_m + truncation;
+            const std::size_t level =
+                views.size() == 1 ? 0 : place_at(eye + pixel.depth_m * ray).block.level;
+            if (!makes_surface(views[level], pixel)) continue;
+            const float sigma = sigma_z(finest, pixel.depth_m, pixel.sigma_disparity_px);
+            // A coarser block beside this one needs its samples as far out as its own truncation.
+            const float own_reach = truncation_m(views[level], sigma);
+            const float reach = truncation_m(views[std::min(level + 1, views.size() - 1)], sigma);
+            const float end = pixel.depth_m + reach;
             float step = 0.0F;
-            for (float z = pixel.depth_m - truncation; z < end + step; z += step) {
-                const auto [block, is_recent] = block_at(eye + std::min(z, end) * ray);
-                step = 0.5F * kBlockEdge * views[block.level].voxel_m;
-                if (is_recent) continue;
+            for (float z = pixel.depth_m - reach; z < end + step; z += step) {
+                const float at = std::min(z, end);
+                RecentBlocks::Place& place = place_at(eye + at * ray);
+                step = 0.5F * kBlockEdge * views[place.block.level].voxel_m;
+                const bool is_too_far = place.block.level <= static_cast<int>(level) &&
+                                        reach > own_reach &&
+                                        std::abs(at - pixel.depth_m) > own_reach;
+                if (place.is_allocated || is_too_far) continue;
+                place.is_allocated = true;
                 const auto [entry, is_new] =
-                    index_.try_emplace(block, static_cast<std::uint32_t>(blocks_.size()));
-                if (is_new) add_block(block);
+                    index_.try_emplace(place.block, static_cast<std::uint32_t>(blocks_.size()));
+                if (is_new) add_block(place.block);
             }
         }
 }

@@ -72,7 +72,7 @@ DepthRange VisibleSpace::range_around(const Eigen::Vector3f& p_cam, float radius
 }
 
 void BlockRegions::add(const BlockCoordinate& block, std::uint32_t number) {
-    const BlockCoordinate coordinate{block.x >> 3, block.y >> 3, block.z >> 3, block.level};
+    const BlockCoordinate coordinate{block.x >> 3, block.y >> 3, block.z >> 3};
     const auto [entry, is_new] = index_.try_emplace(coordinate, regions_.size());
     if (is_new) regions_.push_back({coordinate, {}, {}});
     Region& region = regions_[entry->second];

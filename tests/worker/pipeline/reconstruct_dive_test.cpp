@@ -165,8 +165,7 @@ TEST_F(ReconstructDiveTest, ADiveThatIsRefusedTellsItsFindingsFirst) {
 TEST_F(ReconstructDiveTest, ARunStartsWhereItDiffersFromAnEarlierOne) {
     const nlohmann::json plain = {{"voxel_m", 0.02}};
     const nlohmann::json coarse = {{"voxel_m", 0.03}};
-    const nlohmann::json meshed = {
-        {"voxel_m", 0.03}, {"mesher", "marching_cubes"}, {"simplify", 0.5}};
+    const nlohmann::json meshed = {{"voxel_m", 0.03}, {"max_sigma_m", 0.02}, {"simplify", 0.5}};
     const nlohmann::json stated = {{"voxel_m", 0.03}, {"refine_lenses", false}};
     reconstruct("fresh-coarse", coarse);
     reconstruct("fresh-meshed", meshed);
