@@ -55,7 +55,7 @@ LevelPlan LevelPlan::load(base::BinaryReader& file) {
 }
 
 LevelPlanner::LevelPlanner(const types::RectifiedRig& rig, double voxel_m, double median_depth_m)
-    : rig_(rig), voxel_m_(voxel_m), median_depth_m_(median_depth_m), coarsest_(0) {}
+    : rig_(rig), voxel_m_(voxel_m), median_depth_m_(median_depth_m) {}
 
 void LevelPlanner::add(const Eigen::Isometry3d& T_world_cam,
                        const cv::Mat& disparity_px,

@@ -56,9 +56,8 @@ public:
     // `voxel_m` suits surface at `median_depth_m`.
     LevelPlanner(const types::RectifiedRig& rig, double voxel_m, double median_depth_m);
 
-    // Adds a frame by every step_px-th pixel of every step_px-th row of its disparities (CV_32F,
-    // px;
-    // <= 0: unknown).
+    // Adds a frame by every step_px-th disparity of every step_px-th row (CV_32F, px; <= 0:
+    // unknown).
     void add(const Eigen::Isometry3d& T_world_cam, const cv::Mat& disparity_px, int step_px);
 
     struct Planned {
@@ -86,7 +85,7 @@ private:
     double voxel_m_;
     double median_depth_m_;
     int num_frames_ = 0;
-    int coarsest_;
+    int coarsest_ = 0;
     Seen seen_;  // by relative levels
 };
 

@@ -15,9 +15,8 @@ namespace divemesh::mesh {
 // - A lattice point in the middle of an edge or a face of a coarser cell has the mean of that
 //   edge's or face's corners, even where it has a sample of its own. So the field is continuous,
 //   and cells on both sides of a face see the same crossings.
-// - Distances are known within some voxels of the surface. Beside finer blocks a cell may be
-// crossed
-//   and yet have a corner that is too far away for their voxels: it is extrapolated.
+// - Distances are known within some voxels of the surface. Beside finer blocks a crossed cell may
+//   have a corner that is too far away for their voxels: it is extrapolated.
 class BlockSurroundings {
 public:
     BlockSurroundings(const FieldReader& reader, std::size_t block);
