@@ -519,6 +519,29 @@ TEST_F(FloorSeenNearAndFar, IsOneSurfaceWithoutCracks) {
     EXPECT_GE(*widest, 4.0F * *narrowest);
 }
 
+TEST_F(FloorSeenNearAndFar, IsTheSameFromItsFileAndWithSpilling) {
+    auto all = poses(kNear_m, -0.1);
+    for (const auto& pose : poses(kFar_m, 0.0)) all.push_back(pose);
+    const auto volume = fuse(bump_on_floor, all, kFar_m);
+    const TemporaryFolder folder;
+    volume->save(folder / "volume");
+    const auto loaded = load_volume(folder / "volume", {folder.path(), 1});
+    loaded->trim();
+    EXPECT_LT(loaded->memory_bytes(), volume->memory_bytes());
+    loaded->save(folder / "again");
+    EXPECT_EQ(bytes_of(folder / "again"), bytes_of(folder / "volume"));
+    const types::Mesh mesh = surface_of(*volume, options_for("tsdf"));
+    const types::Mesh same = surface_of(*loaded, options_for("tsdf", 2));
+    EXPECT_EQ(same.vertices, mesh.vertices);
+    EXPECT_EQ(same.triangles, mesh.triangles);
+    std::vector<Eigen::Vector3d> points;
+    for (const auto& vertex : mesh.vertices) points.push_back(vertex.cast<double>());
+    std::vector<std::uint8_t> confirmed(points.size());
+    loaded->confirm(points, confirmed.data());
+    EXPECT_GT(std::count(confirmed.begin(), confirmed.end(), 1),
+              0.97 * static_cast<double>(points.size()));
+}
+
 TEST(ChooseVoxel, IsAboutACentimetreAtTwoMetresForARigOfAHandsBreadth) {
     const types::RectifiedRig rig = synthetic::ideal_rig(640, 480, 495.0);
     EXPECT_NEAR(choose_voxel_m(rig, 2.0), 0.009, 0.002);
