@@ -132,6 +132,7 @@ TsdfVolume::TsdfVolume(VolumeSettings settings)
 
 void TsdfVolume::add(const types::Keyframe& keyframe, const DepthView& depth) {
     std::vector<TsdfView> views;
+    views.reserve(regions_.size());
     for (int level = 0; level < settings_.levels->num_levels(); ++level)
         views.push_back(view_of(keyframe, depth, settings_, level));
     allocate(views, keyframe, depth);

@@ -218,11 +218,11 @@ cv::Mat KeyframeStore::read_disparities(int frame_index, int step_px) const {
                         (header.width_px + step_px - 1) / step_px,
                         CV_32F);
     for (int y = 0; y < disparities.rows; ++y) {
-        file.seekg(static_cast<std::streamoff>(sizeof header) + y * step_px * row_bytes);
+        file.seekg(static_cast<std::streamoff>(sizeof header) + row_bytes * step_px * y);
         if (!file.read(reinterpret_cast<char*>(row.data()), row_bytes)) refuse_incomplete(path);
         for (int x = 0; x < disparities.cols; ++x)
             disparities.at<float>(y, x) =
-                kDisparityStep_px * static_cast<float>(row[std::size_t(x) * step_px]);
+                kDisparityStep_px * static_cast<float>(row[static_cast<std::size_t>(x) * step_px]);
     }
     return disparities;
 }

@@ -51,6 +51,24 @@ TEST(KeyframeStore, UnknownDisparityStaysUnknown) {
     EXPECT_EQ(store.read(0).depth.disparity_px.at<float>(10, 3), 0.0F);
 }
 
+TEST(KeyframeStore, EverySoManiethDisparityIsThatOfTheWhole) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path());
+    store.write(3, slope());
+    const cv::Mat whole = store.read(3).depth.disparity_px;
+    for (const int step_px : {1, 5, 8}) {
+        const cv::Mat some = store.read_disparities(3, step_px);
+        ASSERT_EQ(some.size(),
+                  cv::Size((64 + step_px - 1) / step_px, (48 + step_px - 1) / step_px));
+        for (int y = 0; y < some.rows; ++y)
+            for (int x = 0; x < some.cols; ++x)
+                EXPECT_EQ(some.at<float>(y, x), whole.at<float>(y * step_px, x * step_px));
+    }
+    std::filesystem::resize_file(folder / "00000003.keyframe", 1000);
+    EXPECT_THROW(store.read_disparities(3, 8), Error);
+    EXPECT_THROW(store.read_disparities(4, 8), Error);
+}
+
 TEST(KeyframeStore, AMissingOrShortenedFileIsATypedError) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());
