@@ -163,7 +163,8 @@ void TsdfVolume::allocate(std::span<const TsdfView> views,
     const Eigen::Isometry3f T_voxel_cam(
         (Eigen::Scaling(1.0F / finest.voxel_m) * keyframe.T_world_cam.cast<float>()).matrix());
     const Eigen::Vector3f eye = T_voxel_cam.translation();
-    const int step_px = allocation_step_px(views);
+    // Finer levels were seen from near enough to be hit by other views' rays.
+    const int step_px = allocation_step_px(views.subspan(settings_.levels->median_level()));
     RecentBlocks recent(*settings_.levels);
     const auto place_at = [&](const Eigen::Vector3f& p) -> RecentBlocks::Place& {
         return recent.at({rounded(p.x()), rounded(p.y()), rounded(p.z())});
