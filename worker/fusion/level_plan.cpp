@@ -79,7 +79,7 @@ void LevelPlanner::add(const Eigen::Isometry3d& T_world_cam,
         }
 }
 
-// What is near enough for a level is near enough for all coarser ones.
+// Adds what is near enough for a level to all coarser ones, for which it is near enough too.
 LevelPlanner::Seen LevelPlanner::with_parents() const {
     Seen all = seen_;
     for (int level = kMinRelativeLevel; level < coarsest_; ++level) {

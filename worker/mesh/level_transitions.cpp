@@ -152,7 +152,7 @@ void EdgePolygons::add(const Eigen::Vector3i& cell,
     if (around.size() == 3) out.triangles.push_back({around[0], around[1], around[2]});
 }
 
-// Of the cells of the edge's level, the one for which the edge has the lowest number adds it.
+// The cell for which the edge has the lowest number, among those of the edge's level, adds it.
 std::vector<std::uint32_t> EdgePolygons::vertices_around(const Eigen::Vector3i& sample,
                                                          int edge) const {
     const int axis = edge / 4, u = (axis + 1) % 3, v = (axis + 2) % 3;
