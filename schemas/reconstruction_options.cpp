@@ -15,6 +15,7 @@ void for_each_option(Options& options, Visit&& visit) {
     // clang-format off
     visit("stereo", options.stereo, "stereo matcher: block (sum of absolute differences, the paper), sgm or opencv_sgbm");
     visit("num_disparities_px", options.num_disparities_px, "disparity search range, a multiple of 16");
+    visit("stereo_scales", options.stereo_scales, "image sizes at which sgm matches: 1 the full size, 2 also half of it (weak texture, haze)");
     visit("num_features", options.num_features, "features tracked per frame");
     visit("estimator", options.estimator, "pairwise (the paper) or window (sliding window)");
     visit("use_imu", options.use_imu, "use the IMU if the dive has one");
@@ -95,6 +96,9 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
                        options.num_disparities_px % 16 == 0,
                    "num_disparities_px",
                    "must be a multiple of 16 from 16 to 512");
+    faults.require(options.stereo_scales == 1 || options.stereo_scales == 2,
+                   "stereo_scales",
+                   "must be 1 or 2");
     faults.require(options.num_features >= 20 && options.num_features <= 5000,
                    "num_features",
                    "must be 20 to 5000");
@@ -152,6 +156,7 @@ ReconstructionOptions preset_options(std::string_view preset) {
         return options;
     }
     if (preset == "fast") {  // a preview on the day of the dive: calibration as stated, no loops
+        options.stereo_scales = 1;
         options.num_features = 200;
         options.close_loops = false;
         options.refine_lenses = false;

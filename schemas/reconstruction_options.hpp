@@ -15,6 +15,7 @@ struct ReconstructionOptions {
     // step 1, stereo
     std::string stereo = "sgm";    // block (the paper) | sgm | opencv_sgbm
     int num_disparities_px = 128;  // search range, multiple of 16
+    int stereo_scales = 2;         // 2: sgm matches at half the size too
     // step 2, tracking
     int num_features = 300;
     // steps 4-6, estimation

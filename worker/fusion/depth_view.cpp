@@ -16,7 +16,7 @@ constexpr float kMaxSlope = 1.0F;    // of disparity per pixel; steeper is a dis
 constexpr int kReach_px = 4;         // of the gradient's pixels, at full sampling
 constexpr float kMaxBend_px = 1.0F;  // of the disparity over that reach
 constexpr float kDeadRim_px = 1.0F;
-constexpr float kFullWeight_px = 5.0F;  // distance from a discontinuity or unknown pixel
+constexpr float kFullWeight_px = 5.0F;  // distance from farther surface or an unknown pixel
 constexpr float kMinCosine = 0.04F;     // of the angle of incidence
 
 DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
@@ -26,12 +26,12 @@ DIVEMESH_INLINE_BODY void mark_inside(const float* __restrict above,
                                       std::uint8_t* __restrict inside) {
     for (int x = 1; x + 1 < width; ++x) {
         const float d = row[x];
-        const int near = static_cast<int>(std::abs(row[x - 1] - d) < kMaxSlope) &
-                         static_cast<int>(std::abs(row[x + 1] - d) < kMaxSlope) &
-                         static_cast<int>(std::abs(above[x] - d) < kMaxSlope) &
-                         static_cast<int>(std::abs(below[x] - d) < kMaxSlope) &
-                         static_cast<int>(d > 0.0F);
-        inside[x] = static_cast<std::uint8_t>(near);
+        const int is_inside = static_cast<int>(d - row[x - 1] < kMaxSlope) &
+                              static_cast<int>(d - row[x + 1] < kMaxSlope) &
+                              static_cast<int>(d - above[x] < kMaxSlope) &
+                              static_cast<int>(d - below[x] < kMaxSlope) &
+                              static_cast<int>(d > 0.0F);
+        inside[x] = static_cast<std::uint8_t>(is_inside);
     }
 }
 
@@ -61,7 +61,7 @@ struct DepthRow {
     const float* disparity;  // of the row; the next row is `stride` floats further
     std::ptrdiff_t stride;
     const float* sigma;
-    const float* rim;           // distance from the nearest unknown pixel or discontinuity
+    const float* rim;           // distance from the nearest unknown pixel or farther surface
     const std::uint8_t* image;  // BGR
     int width;
     float v;  // of the row, from the principal point
@@ -169,8 +169,9 @@ void peel_row(const std::uint8_t* __restrict above,
         out[x] &= above[x - 1] & above[x + 1] & below[x - 1] & below[x + 1];
 }
 
-// Returns the distance of each pixel from the nearest one that is unknown or at a discontinuity,
-// px, limited to the largest distance that matters.
+// Returns the distance of each pixel from the nearest one that is unknown or beside farther
+// surface, px, limited to the largest distance that matters. The farther surface itself goes up to
+// the edge: a matcher makes the nearer one too wide.
 cv::Mat distance_from_rim(const cv::Mat& disparity, const Kernels& kernels) {
     cv::Mat inside(disparity.size(), CV_8U, cv::Scalar(0));
     for (int y = 1; y + 1 < disparity.rows; ++y)

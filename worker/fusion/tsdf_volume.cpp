@@ -16,7 +16,7 @@ constexpr int kAllocationStep_px = 2;
 constexpr float kMaxStep_voxels = 6.0F;        // max spacing of rays that hit every block
 constexpr float kMinDisparitySigma_px = 0.1F;  // lower bound of all stated values
 constexpr float kMaxSigma_voxels = 6.0F;       // of a depth that may make surface
-constexpr float kMaxFusedSigma_voxels = 5.0F;  // of a sample that is surface
+constexpr float kMaxFusedSigma_voxels = 6.0F;  // of a sample that is surface
 // Max distance of a confirmed point from the surface. Where as many views looked through the point
 // as saw a surface, the zero is farther away.
 constexpr float kConfirmed_voxels = 1.5F;

@@ -53,7 +53,8 @@ private:
     static constexpr std::size_t kNumLanes = 4;
     struct Lane {
         Lane(const ReconstructionOptions& options, base::TaskPool& task_pool)
-            : stereo(options.stereo, options.num_disparities_px), task(task_pool) {}
+            : stereo(options.stereo, options.num_disparities_px, options.stereo_scales),
+              task(task_pool) {}
         stereo::StereoMatcher stereo;
         types::SearchStatistics matched;
         // Declared last, so that it ends before the matcher is destroyed.

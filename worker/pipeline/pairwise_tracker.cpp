@@ -16,7 +16,7 @@ PairwiseTracker::PairwiseTracker(const types::RectifiedRig& rig,
                                  const ReconstructionOptions& options)
     : rig_(rig),
       options_(options),
-      stereo_(options.stereo, options.num_disparities_px),
+      stereo_(options.stereo, options.num_disparities_px, options.stereo_scales),
       tracker_(rig, options.num_features),
       inertial_(recording, options),
       motion_(rig, inertial_),

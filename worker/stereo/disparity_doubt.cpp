@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kWindow_px = 9;          // as wide as the windows of matching and refinement
 constexpr float kMaxStep_px = 3.0F;    // within 3 x 3 pixels of one surface
-constexpr float kFullDoubt_px = 1.0F;  // sigma where all winners around are doubtful
+constexpr float kFullDoubt_px = 2.5F;  // sigma where all winners around are doubtful
 
 }  // namespace
 

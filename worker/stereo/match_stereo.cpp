@@ -1,79 +1,41 @@
 #include "worker/stereo/match_stereo.hpp"
 
 #include <algorithm>
-#include <functional>
-#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
 #include <optional>
 
-#include "worker/stereo/block_matcher.hpp"
-#include "worker/stereo/census_sgm.hpp"
 #include "worker/stereo/coarse_disparity_search.hpp"
-#include "worker/stereo/disparity_doubt.hpp"
-#include "worker/stereo/disparity_sigma.hpp"
-#include "worker/stereo/matching_images.hpp"
-#include "worker/stereo/refine_disparity.hpp"
+#include "worker/stereo/combine_scales.hpp"
 #include "worker/stereo/sgm_kernels.hpp"
-#include "worker/stereo/speckles.hpp"
-#include "worker/stereo/weak_surface.hpp"
+#include "worker/stereo/single_scale_matcher.hpp"
 
 namespace divemesh::stereo {
 namespace {
 
-constexpr int kMinSpeckleSize = 120;  // pixels
-constexpr float kMaxStep_px = 1.5F;   // between neighbours of one surface
-constexpr float kMaxSigma_px = 1.0F;
-constexpr float kMinSigma_px = 0.15F;  // error of calibration, interpolation and slant
+constexpr int kStep_px = 64;     // of the number of disparities
+constexpr int kMinHalf_px = 40;  // width and height; smaller halves show nothing
 
-void remove_islands(types::DepthMap& depth) {
-    remove_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
+// Returns how many disparities, px of the whole size, are searched at most at half the size. Half
+// as many again cost little there.
+int max_half_disparities_px(int limit_px) {
+    const int wide = limit_px + limit_px / 2 / kStep_px * kStep_px;
+    return std::min(2 * kMaxDisparities, wide);
 }
 
-// Refines the disparity, removes islands that remain after the refinement or that it made by
-// removing pixels without texture, and adds what lies between measured surface.
-void refine(const types::RectifiedFrame& frame,
-            DisparityRefiner& refiner,
-            WeakSurface& weak,
-            types::DepthMap& depth) {
-    unconfirm_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
-    const cv::Mat winners_px = depth.disparity_px.clone();
-    depth.sigma_disparity_px =
-        cv::max(refiner.refine(frame.left, frame.right, depth.disparity_px), kMinSigma_px);
-    remove_islands(depth);
-    remove_unsupported(depth.disparity_px, depth.sigma_disparity_px, {}, kMaxStep_px);
-    add_doubt(winners_px, depth.sigma_disparity_px);
-    weak.add(winners_px, depth.disparity_px, depth.sigma_disparity_px);
+types::RectifiedFrame halved(const types::RectifiedFrame& frame) {
+    const cv::Size size(frame.left.cols / 2, frame.left.rows / 2);
+    const cv::Rect whole(0, 0, 2 * size.width, 2 * size.height);
+    types::RectifiedFrame half{frame.index, frame.timestamp_ns, {}, {}};
+    cv::resize(frame.left(whole), half.left, size, 0.0, 0.0, cv::INTER_AREA);
+    cv::resize(frame.right(whole), half.right, size, 0.0, 0.0, cv::INTER_AREA);
+    return half;
 }
-
-void rate_by_texture(const types::RectifiedFrame& frame, types::DepthMap& depth) {
-    depth.sigma_disparity_px = disparity_sigma(frame.left);
-    depth.disparity_px.setTo(0.0, depth.sigma_disparity_px > kMaxSigma_px);
-    depth.sigma_disparity_px = cv::min(depth.sigma_disparity_px, kMaxSigma_px);
-    remove_islands(depth);
-}
-
-// OpenCV's single-pass semi-global matcher, for comparison.
-class OpenCvSgbm {
-public:
-    explicit OpenCvSgbm(int num_disparities)
-        : matcher_(cv::StereoSGBM::create(
-              0, num_disparities, 3, 72, 288, 1, 31, 5, 0, 0, cv::StereoSGBM::MODE_SGBM_3WAY)) {}
-
-    cv::Mat compute(const cv::Mat& left, const cv::Mat& right) {
-        cv::Mat fixed_point, disparity;
-        matcher_->compute(left, right, fixed_point);
-        fixed_point.convertTo(disparity, CV_32F, 1.0 / 16.0);
-        disparity.setTo(0.0, disparity < 0.0);
-        return disparity;
-    }
-
-private:
-    cv::Ptr<cv::StereoSGBM> matcher_;
-};
 
 }  // namespace
 
 struct StereoMatcher::Implementation {
-    explicit Implementation(int num_disparities) : num_disparities_px(num_disparities) {}
+    Implementation(const std::string& method, int num_disparities)
+        : num_disparities_px(num_disparities), full_size(method, num_disparities) {}
 
     // Makes the survey at the first frame, which tells the size of the images.
     CoarseDisparitySearch& survey_of(int limit_px) {
@@ -83,44 +45,16 @@ struct StereoMatcher::Implementation {
     }
 
     int num_disparities_px;
+    SingleScaleMatcher full_size;
+    std::optional<SingleScaleMatcher> half_size;
     std::optional<CoarseDisparitySearch> survey;
     int surveyed_px = 0;
-    bool searches_within_range = false;
-    std::function<void(const types::RectifiedFrame& frame,
-                       const types::DisparityRange& range,
-                       types::DepthMap& depth)>
-        compute;
-    std::optional<DisparityRefiner> refiner;
-    WeakSurface weak;
-
-    void use_sgm() {
-        searches_within_range = true;
-        compute = [matcher = CensusSgm(num_disparities_px)](const types::RectifiedFrame& frame,
-                                                            const types::DisparityRange& range,
-                                                            types::DepthMap& depth) mutable {
-            const MatchingImages images = matching_images(frame);
-            depth.disparity_px =
-                matcher.compute(images.left, images.right, range, images.tolerance);
-        };
-        refiner.emplace();
-    }
 };
 
-StereoMatcher::StereoMatcher(const std::string& method, int num_disparities_px)
-    : implementation_(std::make_unique<Implementation>(num_disparities_px)) {
-    const auto use = [&](auto matcher) {
-        implementation_->compute = [matcher](const types::RectifiedFrame& frame,
-                                             const types::DisparityRange&,
-                                             types::DepthMap& depth) mutable {
-            depth.disparity_px = matcher.compute(frame.left, frame.right);
-        };
-    };
-    if (method == "block")
-        use(BlockMatcher(num_disparities_px));
-    else if (method == "opencv_sgbm")
-        use(OpenCvSgbm(num_disparities_px));
-    else
-        implementation_->use_sgm();
+StereoMatcher::StereoMatcher(const std::string& method, int num_disparities_px, int num_scales)
+    : implementation_(std::make_unique<Implementation>(method, num_disparities_px)) {
+    if (num_scales > 1 && implementation_->full_size.searches_within_range())
+        implementation_->half_size.emplace(method, num_disparities_px);
 }
 
 StereoMatcher::~StereoMatcher() = default;
@@ -131,29 +65,27 @@ types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame) {
 
 types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame,
                                      const types::DisparityRange& range) {
-    types::DepthMap depth;
     auto& own = *implementation_;
-    const int limit_px = own.searches_within_range
-                             ? max_disparities_px(own.num_disparities_px, frame.left.cols)
-                             : own.num_disparities_px;
+    const bool within_range = own.full_size.searches_within_range();
+    const int limit_px = within_range ? max_disparities_px(own.num_disparities_px, frame.left.cols)
+                                      : own.num_disparities_px;
     const auto surveyed = own.survey_of(limit_px).survey(frame.left, frame.right);
-    const types::DisparityRange searched = own.searches_within_range
-                                               ? widen(range, surveyed, limit_px)
-                                               : types::DisparityRange{0, limit_px};
+    types::DisparityRange searched =
+        within_range ? widen(range, surveyed, limit_px) : types::DisparityRange{0, limit_px};
+    types::DepthMap depth = own.full_size.match(frame, searched);
+    if (own.half_size && std::min(frame.left.cols, frame.left.rows) / 2 >= kMinHalf_px) {
+        searched = widen(searched, surveyed, max_half_disparities_px(limit_px));
+        combine_scales(
+            own.half_size->match(halved(frame), {searched.first_px / 2, (searched.num_px + 1) / 2}),
+            depth);
+    }
     depth.search = outcome_of(searched, surveyed);
-    own.compute(frame, searched, depth);
-    if (own.refiner)
-        refine(frame, *own.refiner, own.weak, depth);
-    else
-        rate_by_texture(frame, depth);
-    depth.sigma_disparity_px.setTo(0.0, depth.disparity_px <= 0.0);
     return depth;
 }
 
 int max_disparities_px(int num_disparities_px, int width_px) {
     constexpr int kLargeWidth_px = 832;
     constexpr double kShareOfWidth = 0.27;
-    constexpr int kStep_px = 64;
     if (width_px <= kLargeWidth_px) return num_disparities_px;
     const int wide = static_cast<int>(kShareOfWidth * width_px) / kStep_px * kStep_px;
     return std::max(num_disparities_px, std::min(kMaxDisparities, wide));

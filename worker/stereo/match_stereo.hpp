@@ -8,18 +8,19 @@
 namespace divemesh::stereo {
 
 // Step 1: the dense stereo matcher. Its methods are block, sgm and opencv_sgbm. All give sub-pixel
-// disparities with a standard deviation and leave pixels without texture unknown.
+// disparities with a standard deviation and leave pixels without texture unknown. With two scales
+// sgm also matches the images at half their size, see combine_scales().
 class StereoMatcher {
 public:
-    StereoMatcher(const std::string& method, int num_disparities_px);
+    StereoMatcher(const std::string& method, int num_disparities_px, int num_scales = 1);
     ~StereoMatcher();
     StereoMatcher(const StereoMatcher&) = delete;
     StereoMatcher& operator=(const StereoMatcher&) = delete;
 
     types::DepthMap match(const types::RectifiedFrame& frame);
     // The same; sgm searches within `range`, widened where a survey at a quarter of the size finds
-    // disparities beyond: in large images also beyond the matcher's own number, see
-    // max_disparities_px().
+    // disparities beyond: in large images and at half the size also beyond the matcher's own
+    // number, see max_disparities_px().
     types::DepthMap match(const types::RectifiedFrame& frame, const types::DisparityRange& range);
 
 private:

@@ -1,0 +1,125 @@
+#include "worker/stereo/combine_scales.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/imgproc.hpp>
+
+namespace divemesh::stereo {
+namespace {
+
+// All disparities in px of the full size, unless they are named half.
+constexpr int kSilhouette_half_px = 5;    // reach of a window of the half size
+constexpr float kFarther_half_px = 2.0F;  // behind a silhouette
+constexpr float kSameSurface_half_px = 1.0F;
+constexpr float kKnownSigma_px = 0.75F;  // less: measured by the narrow window
+constexpr float kContradiction_px = 1.0F;
+constexpr float kAgreement_sigmas = 2.5F;
+constexpr float kDisagreement = 0.5F;  // sigma per px of difference
+constexpr float kMinSigma_px = 0.15F;  // error of calibration, interpolation and slant
+constexpr float kAddedSigma_px = 1.0F;
+constexpr float kMaxSigma_px = 3.0F;
+
+struct Estimate {
+    float disparity_px = 0.0F;  // 0: unknown
+    float sigma_px = 0.0F;
+};
+
+// Returns the disparities of the half size without those next to a farther surface.
+cv::Mat without_silhouettes(const cv::Mat& disparity_px) {
+    constexpr int kEdge = 2 * kSilhouette_half_px + 1;
+    constexpr double kFar = 1e6;
+    cv::Mat known = disparity_px.clone();
+    known.setTo(kFar, disparity_px <= 0.0F);
+    cv::Mat least;
+    cv::erode(known, least, cv::Mat::ones(kEdge, kEdge, CV_8U));
+    cv::Mat result = disparity_px.clone();
+    result.setTo(0.0F, disparity_px - least > kFarther_half_px);
+    return result;
+}
+
+// Where a pixel of the full size lies among those of the half size: between two of them, and nearer
+// to one.
+struct Place {
+    int first = 0;
+    float part = 0.0F;  // from the first to the second
+
+    Place(int at_px, int num) {
+        const float at = std::clamp(
+            0.5F * (static_cast<float>(at_px) - 0.5F), 0.0F, static_cast<float>(num - 1));
+        first = std::min(static_cast<int>(at), num - 2);
+        part = at - static_cast<float>(first);
+    }
+    int nearest() const { return part < 0.5F ? first : first + 1; }
+};
+
+// Interpolates between those of four pixels that are on one surface with the nearest one.
+Estimate interpolate(const cv::Mat& disparity, const cv::Mat& sigma, Place column, Place row) {
+    const float nearest = disparity.at<float>(row.nearest(), column.nearest());
+    float weights = 0.0F, sum = 0.0F, sum_sigma = 0.0F;
+    for (int j = 0; j < 2; ++j)
+        for (int i = 0; i < 2; ++i) {
+            const float d = disparity.at<float>(row.first + j, column.first + i);
+            if (d <= 0.0F || std::abs(d - nearest) > kSameSurface_half_px) continue;
+            const float weight =
+                (i == 0 ? 1.0F - column.part : column.part) * (j == 0 ? 1.0F - row.part : row.part);
+            weights += weight;
+            sum += weight * d;
+            sum_sigma += weight * sigma.at<float>(row.first + j, column.first + i);
+        }
+    return {2.0F * sum / weights, std::max(2.0F * sum_sigma / weights, kMinSigma_px)};
+}
+
+// Adds the disagreement of the two sizes to a sigma.
+float with_difference(float sigma_px, float difference_px) {
+    const float disagreement_px = kDisagreement * difference_px;
+    return std::min(kMaxSigma_px,
+                    std::sqrt(sigma_px * sigma_px + disagreement_px * disagreement_px));
+}
+
+Estimate combined(const Estimate& full, const Estimate& half) {
+    const float difference_px = half.disparity_px - full.disparity_px;
+    if (full.sigma_px <= kKnownSigma_px) {
+        if (std::abs(difference_px) <= kContradiction_px) return full;
+        return {full.disparity_px, with_difference(full.sigma_px, difference_px)};
+    }
+    const float variance_full = full.sigma_px * full.sigma_px;
+    const float variance_half = half.sigma_px * half.sigma_px;
+    const float variance = variance_full + variance_half;
+    if (difference_px * difference_px < kAgreement_sigmas * kAgreement_sigmas * variance) {
+        const float sigma_px = std::sqrt(variance_full * variance_half / variance);
+        return {full.disparity_px + difference_px * variance_full / variance,
+                std::max(kMinSigma_px, with_difference(sigma_px, difference_px))};
+    }
+    const Estimate& better = half.sigma_px < full.sigma_px ? half : full;
+    return {better.disparity_px, with_difference(better.sigma_px, difference_px)};
+}
+
+Estimate alone(const Estimate& half) {
+    const float sigma_px =
+        std::sqrt(half.sigma_px * half.sigma_px + kAddedSigma_px * kAddedSigma_px);
+    return sigma_px > kMaxSigma_px ? Estimate{} : Estimate{half.disparity_px, sigma_px};
+}
+
+}  // namespace
+
+void combine_scales(const types::DepthMap& half, types::DepthMap& full) {
+    const cv::Mat disparity = without_silhouettes(half.disparity_px);
+    for (int y = 0; y < full.disparity_px.rows; ++y) {
+        const Place row(y, disparity.rows);
+        const float* nearest = disparity.ptr<float>(row.nearest());
+        float* disparities_px = full.disparity_px.ptr<float>(y);
+        float* sigmas_px = full.sigma_disparity_px.ptr<float>(y);
+        for (int x = 0; x < full.disparity_px.cols; ++x) {
+            const Place column(x, disparity.cols);
+            if (nearest[column.nearest()] <= 0.0F) continue;
+            const Estimate by_half = interpolate(disparity, half.sigma_disparity_px, column, row);
+            const bool known = disparities_px[x] > 0.0F;
+            const Estimate result =
+                known ? combined({disparities_px[x], sigmas_px[x]}, by_half) : alone(by_half);
+            disparities_px[x] = result.disparity_px;
+            sigmas_px[x] = result.sigma_px;
+        }
+    }
+}
+
+}  // namespace divemesh::stereo
