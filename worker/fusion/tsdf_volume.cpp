@@ -13,10 +13,14 @@ namespace divemesh::fusion {
 namespace {
 
 constexpr int kAllocationStep_px = 2;
-constexpr float kMaxStep_voxels = 6.0F;        // max spacing of rays that hit every block
-constexpr float kMinDisparitySigma_px = 0.1F;  // lower bound of all stated values
-constexpr float kMaxSigma_voxels = 6.0F;       // of a depth that may make surface
-constexpr float kMaxFusedSigma_voxels = 6.0F;  // of a sample that is surface
+constexpr float kMaxStep_voxels = 6.0F;         // max spacing of rays that hit every block
+constexpr float kMinDisparitySigma_px = 0.1F;   // lower bound of all stated values
+constexpr float kMaxSigma_voxels = 6.0F;        // of a depth that may make surface
+constexpr float kMaxFusedSigma_voxels = 10.0F;  // of a sample that is surface
+// Share of a view's variance that all views of a place have in common: at silhouettes and at
+// grazing angles every view is wrong in the same way, so that many vague ones do not make a certain
+// one.
+constexpr float kCommonVariance = 0.6F;
 // Max distance of a confirmed point from the surface. Where as many views looked through the point
 // as saw a surface, the zero is farther away.
 constexpr float kConfirmed_voxels = 1.5F;
@@ -26,7 +30,8 @@ float sigma_z(const TsdfView& view, float z, float sigma_disparity_px) {
     return z * z * (sigma_disparity_px * view.depth_sigma_scale);
 }
 
-// Returns the weight of a sample with the largest sigma that surface may have.
+// Returns the weight that a sample with the largest sigma that surface may have would have if its
+// views had nothing in common.
 float min_weight(double voxel_m) {
     const auto sigma_m = kMaxFusedSigma_voxels * static_cast<float>(voxel_m);
     return 1.0F / (sigma_m * sigma_m);
@@ -216,7 +221,9 @@ const TsdfBlock& TsdfVolume::block(std::uint32_t number) const {
 
 bool TsdfVolume::is_confirmed(const TsdfBlock& samples, int i, int level) const {
     return (samples.num_views(i) >= std::min(kMinViews, num_views_) || samples.is_unshared(i)) &&
-           unpack_weight(samples.weight[i]) >= min_weight_[level];
+           unpack_weight(samples.weight[i]) >=
+               min_weight_[level] *
+                   (1.0F + kCommonVariance * static_cast<float>(samples.num_views(i)));
 }
 
 void TsdfVolume::confirm(std::span<const Eigen::Vector3d> p_world, std::uint8_t* out) const {

@@ -14,16 +14,19 @@ constexpr int kFirstColumn = 70;  // to the right of all disparities
 
 double slanted(double x, double y) { return 14.0 + 0.05 * x + 0.03 * y; }
 
-types::DepthMap match(const WarpedPair& pair) {
+types::DepthMap match(const WarpedPair& pair, int num_scales) {
     types::RectifiedFrame frame;
     frame.left = pair.left;
     frame.right = pair.right;
-    return StereoMatcher("sgm", 64).match(frame);
+    return StereoMatcher("sgm", 64, num_scales).match(frame);
 }
 
-TEST(StereoMatcher, SeesASurfaceUpToTheBorder) {
+// By the number of scales.
+class Evidence : public testing::TestWithParam<int> {};
+
+TEST_P(Evidence, SeesASurfaceUpToTheBorder) {
     const WarpedPair pair = make_warped_pair(slanted);
-    const types::DepthMap depth = match(pair);
+    const types::DepthMap depth = match(pair, GetParam());
     cv::Mat border(pair.left.size(), CV_8U, cv::Scalar(255));
     border(cv::Rect(kFirstColumn, 4, pair.left.cols - kFirstColumn - 4, pair.left.rows - 8))
         .setTo(0);
@@ -34,12 +37,12 @@ TEST(StereoMatcher, SeesASurfaceUpToTheBorder) {
     EXPECT_GT(cv::countNonZero(good), 0.98 * cv::countNonZero(known));
 }
 
-TEST(StereoMatcher, TellsHowLittleWeakTextureSaysOfADisparity) {
+TEST_P(Evidence, TellsHowLittleWeakTextureSaysOfADisparity) {
     WarpedPairOptions options;
     options.contrast = 0.03;
     options.noise = 1.0;
     const WarpedPair pair = make_warped_pair(slanted, options);
-    const types::DepthMap depth = match(pair);
+    const types::DepthMap depth = match(pair, GetParam());
     double sum = 0.0;
     int num = 0;
     int num_wrong = 0;
@@ -55,11 +58,14 @@ TEST(StereoMatcher, TellsHowLittleWeakTextureSaysOfADisparity) {
             else
                 sum += error * error / (sigma * sigma);
         }
-    EXPECT_GT(num, 5000);
+    EXPECT_GT(num, 3000);
     EXPECT_LT(num_wrong, 0.02 * num);
-    EXPECT_GT(std::sqrt(sum / num), 0.4);
+    // Sigma is larger than these errors, as it covers wrong winners at silhouettes too.
+    EXPECT_GT(std::sqrt(sum / num), 1.0 / 3.0);
     EXPECT_LT(std::sqrt(sum / num), 1.5);
 }
+
+INSTANTIATE_TEST_SUITE_P(Scales, Evidence, testing::Values(1, 2));
 
 }  // namespace
 }  // namespace divemesh::stereo

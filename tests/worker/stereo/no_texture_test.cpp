@@ -59,7 +59,7 @@ cv::Mat developed(const simulator::Rendering& rendering,
     return cv::imdecode(jpeg, cv::IMREAD_GRAYSCALE);
 }
 
-Look look(simulator::WaterKind kind, const ChangeLight& change_light) {
+Look look(simulator::WaterKind kind, const ChangeLight& change_light, int num_scales) {
     const simulator::Scene scene = bed_before_open_water();
     const types::Rig rig = simulator::draw_rig(640, 480, 4);
     const simulator::Water water = simulator::make_water(kind);
@@ -81,7 +81,7 @@ Look look(simulator::WaterKind kind, const ChangeLight& change_light) {
     result.open_water = result.open_water == 0;
     cv::erode(there, result.surface, reach);
     result.surface = result.surface == 255;
-    result.depth = StereoMatcher("sgm", 128).match(rectifier.rectify(frame));
+    result.depth = StereoMatcher("sgm", 128, num_scales).match(rectifier.rectify(frame));
     return result;
 }
 
@@ -98,21 +98,26 @@ void without_pattern(simulator::Rendering& rendering) {
     rendering.radiance.setTo(cv::Scalar::all(0.2), rendering.depth > 0.0F);
 }
 
-TEST(StereoMatcher, SeesTheBedAndNothingInTheOpenWaterBehindIt) {
+// By the number of scales.
+class NoTexture : public testing::TestWithParam<int> {};
+
+TEST_P(NoTexture, SeesTheBedAndNothingInTheOpenWaterBehindIt) {
     for (const simulator::WaterKind kind :
          {simulator::WaterKind::Clear, simulator::WaterKind::Green}) {
-        const Look seen = look(kind, leave);
+        const Look seen = look(kind, leave, GetParam());
         EXPECT_GT(cv::countNonZero(seen.open_water), 30'000);
         EXPECT_LT(share_known(seen.depth, seen.open_water), 0.005) << to_string(kind);
         EXPECT_GT(share_known(seen.depth, seen.surface), 0.7) << to_string(kind);
     }
 }
 
-TEST(StereoMatcher, GivesASurfaceWithoutPatternNoDepth) {
-    const Look seen = look(simulator::WaterKind::None, without_pattern);
+TEST_P(NoTexture, GivesASurfaceWithoutPatternNoDepth) {
+    const Look seen = look(simulator::WaterKind::None, without_pattern, GetParam());
     EXPECT_GT(cv::countNonZero(seen.surface), 80'000);
     EXPECT_LT(share_known(seen.depth, seen.surface), 0.005);
 }
+
+INSTANTIATE_TEST_SUITE_P(Scales, NoTexture, testing::Values(1, 2));
 
 }  // namespace
 }  // namespace divemesh::stereo
