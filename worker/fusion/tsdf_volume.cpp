@@ -13,9 +13,10 @@ namespace divemesh::fusion {
 namespace {
 
 constexpr int kAllocationStep_px = 2;
-constexpr float kMaxStep_voxels = 6.0F;         // max spacing of rays that hit every block
-constexpr float kMinDisparitySigma_px = 0.1F;   // lower bound of all stated values
-constexpr float kMaxSigma_voxels = 6.0F;        // of a depth that may make surface
+constexpr float kBeside_voxels = 1.5F;         // farthest sample of a cell that the surface crosses
+constexpr float kMaxStep_voxels = 6.0F;        // max spacing of rays that hit every block
+constexpr float kMinDisparitySigma_px = 0.1F;  // lower bound of all stated values
+constexpr float kMaxSigma_voxels = 6.0F;       // of a depth that may make surface
 constexpr float kMaxFusedSigma_voxels = 10.0F;  // of a sample that is surface
 // Share of a view's variance that all views of a place have in common: at silhouettes and at
 // grazing angles every view is wrong in the same way, so that many vague ones do not make a certain
@@ -49,6 +50,14 @@ double tolerated_voxel_m(const VolumeSettings& settings, int level) {
 
 float truncation_m(const TsdfView& view, float sigma) {
     return std::max(kTruncation_voxels * view.voxel_m, kTruncation_sigmas * sigma);
+}
+
+// Returns how far from a pixel's surface its ray allocates blocks, m: as far as samples count, and
+// at grazing angles at least to those next to the surface. A block that only a later view allocates
+// lacks the views before.
+float reach_m(const TsdfView& view, const SurfacePixel& pixel, float sigma) {
+    const float along_normal = pixel.offset_m / pixel.depth_m;  // per metre of the ray
+    return std::max(truncation_m(view, sigma), kBeside_voxels * view.voxel_m / along_normal);
 }
 
 int rounded(float x) {
@@ -185,8 +194,8 @@ void TsdfVolume::allocate(std::span<const TsdfView> views,
             if (!makes_surface(views[level], pixel)) continue;
             const float sigma = sigma_z(finest, pixel.depth_m, pixel.sigma_disparity_px);
             // A coarser block beside this one needs its samples as far out as its own truncation.
-            const float own_reach = truncation_m(views[level], sigma);
-            const float reach = truncation_m(views[std::min(level + 1, views.size() - 1)], sigma);
+            const float own_reach = reach_m(views[level], pixel, sigma);
+            const float reach = reach_m(views[std::min(level + 1, views.size() - 1)], pixel, sigma);
             const float end = pixel.depth_m + reach;
             float step = 0.0F;
             for (float z = pixel.depth_m - reach; z < end + step; z += step) {

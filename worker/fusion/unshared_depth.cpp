@@ -8,7 +8,11 @@
 namespace divemesh::fusion {
 namespace {
 
-// Marks the pixels of a row that the other camera has in its image.
+// Width of the border of an image that has no depth: windows do not reach it.
+constexpr float kBorder_px = 6.0F;
+
+// Marks the pixels of a row that the other frame has where it can measure depth. That is not the
+// left border, whose counterpart lies outside its right image.
 void find_shared(std::span<const SurfacePixel> row,
                  const types::RectifiedRig& rig,
                  const Eigen::Isometry3d& T_other_cam,
@@ -21,7 +25,9 @@ void find_shared(std::span<const SurfacePixel> row,
     const Eigen::Vector3f step = R.col(0) / static_cast<float>(rig.focal_px);
     const auto focal = static_cast<float>(rig.focal_px);
     const auto cx = static_cast<float>(rig.cx_px), cy = static_cast<float>(rig.cy_px);
-    const auto width = static_cast<float>(rig.width_px), height = static_cast<float>(rig.height_px);
+    const float width = static_cast<float>(rig.width_px) - kBorder_px;
+    const float height = static_cast<float>(rig.height_px) - kBorder_px;
+    const auto disparity = static_cast<float>(rig.focal_px * rig.baseline_m);  // times z
     for (std::size_t i = 0; i < row.size(); ++i) {
         const auto u = static_cast<float>(i);
         const float depth = row[i].depth_m;
@@ -31,8 +37,9 @@ void find_shared(std::span<const SurfacePixel> row,
         const float left = focal * x + cx * z, above = focal * y + cy * z;  // times z
         shared[i] |= static_cast<std::uint8_t>(
             static_cast<int>(z > static_cast<float>(types::RectifiedRig::kMinDepth_m)) &
-            static_cast<int>(left >= 0.0F) & static_cast<int>(above >= 0.0F) &
-            static_cast<int>(left < width * z) & static_cast<int>(above < height * z));
+            static_cast<int>(left >= kBorder_px * z + disparity) &
+            static_cast<int>(above >= kBorder_px * z) & static_cast<int>(left < width * z) &
+            static_cast<int>(above < height * z));
     }
 }
 

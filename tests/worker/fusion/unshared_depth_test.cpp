@@ -29,13 +29,22 @@ TEST(UnsharedDepth, IsAllOfAViewThatHasNoNeighbour) {
     for (int u = 0; u < view.rig().width_px; ++u) EXPECT_TRUE(is_unshared(view.pixel(u, 90)));
 }
 
-// A camera that is 1 m to the right sees the wall from 1 m f / 2 m = 90 px on.
+// A camera that is 1 m to the right sees the wall from 1 m f / 2 m = 90 px on, and both its cameras
+// from as far as the disparity on; its border has no depth.
 TEST(UnsharedDepth, IsWhatACameraBesideDoesNotSee) {
     DepthView view = wall_view();
     const std::vector motions{moved(1.0)};
     mark_unshared(motions, view);
-    for (int u = 10; u < view.rig().width_px - 10; ++u)
-        EXPECT_EQ(is_unshared(view.pixel(u, 90)), u < 90) << u;
+    const double disparity_px = view.rig().focal_px * view.rig().baseline_m / 2.0;
+    constexpr int kBorder_px = 10;
+    for (int u = 10; u < view.rig().width_px - 10; ++u) {
+        if (u < 90 + disparity_px) {
+            EXPECT_TRUE(is_unshared(view.pixel(u, 90))) << u;
+        }
+        if (u > 90 + disparity_px + kBorder_px) {
+            EXPECT_FALSE(is_unshared(view.pixel(u, 90))) << u;
+        }
+    }
 }
 
 TEST(UnsharedDepth, OneOfSeveralNeighboursIsEnough) {
