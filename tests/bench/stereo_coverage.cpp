@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "schemas/reconstruction_options.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/calibration/stereo_alignment.hpp"
 #include "worker/camera/rectifier.hpp"
@@ -89,7 +90,8 @@ json compare_coverage(const fs::path& dive, const CoverageOptions& options) {
     if (alignment.outcome == types::RigAlignment::Outcome::Moved)
         rig = calibration::changed_rig(rig, alignment.change);
     const camera::Rectifier rectifier(rig);
-    stereo::StereoMatcher matcher("sgm", options.num_disparities_px);
+    stereo::StereoMatcher matcher(
+        "sgm", options.num_disparities_px, ReconstructionOptions().stereo_scales);
     const Opencv3Way opencv(options.num_disparities_px);
     double own_ms = 0.0;
     double rival_ms = 0.0;

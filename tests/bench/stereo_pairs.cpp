@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "schemas/reconstruction_options.hpp"
 #include "tests/bench/middlebury_pairs.hpp"
 #include "worker/stereo/match_stereo.hpp"
 
@@ -19,7 +20,9 @@ types::DepthMap match_own(const StereoPair& pair) {
     types::RectifiedFrame frame;
     frame.left = pair.left;
     frame.right = pair.right;
-    return stereo::StereoMatcher("sgm", kMiddleburyDisparities).match(frame);
+    return stereo::StereoMatcher(
+               "sgm", kMiddleburyDisparities, ReconstructionOptions().stereo_scales)
+        .match(frame);
 }
 
 struct OpenCvVariant {

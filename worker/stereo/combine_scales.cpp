@@ -90,8 +90,7 @@ Estimate combined(const Estimate& full, const Estimate& half) {
         return {full.disparity_px + difference_px * variance_full / variance,
                 std::max(kMinSigma_px, with_difference(sigma_px, difference_px))};
     }
-    const Estimate& better = half.sigma_px < full.sigma_px ? half : full;
-    return {better.disparity_px, with_difference(better.sigma_px, difference_px)};
+    return {full.disparity_px, with_difference(full.sigma_px, difference_px)};
 }
 
 Estimate alone(const Estimate& half) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <opencv2/core.hpp>
@@ -102,7 +103,9 @@ inline DisparityError compare_disparity(const cv::Mat& estimate,
     error.density = num / static_cast<double>(num_truth);
     error.bad1 = static_cast<double>(num_bad) / num;
     error.mean_px = sum / (num - static_cast<double>(num_bad));
-    std::nth_element(errors.begin(), errors.begin() + errors.size() / 2, errors.end());
+    std::nth_element(errors.begin(),
+                     errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
+                     errors.end());
     error.median_px = errors[errors.size() / 2];
     return error;
 }
