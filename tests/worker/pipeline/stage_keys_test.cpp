@@ -72,7 +72,7 @@ TEST(StageKeysTest, EveryOtherOptionChangesTheLastKey) {
         else if (name == "num_disparities_px")
             other[name] = 64;
         else if (value.is_number_integer())
-            other[name] = value.get<int>() + 1;
+            other[name] = value.get<int>() == 2 ? 1 : value.get<int>() + 1;
         else
             other[name] = name == "simplify" ? 0.5 : 0.123;
         EXPECT_NE(keys_with(other).at("texture"), texture) << name;
