@@ -36,12 +36,26 @@ struct Options {
     bool quick = false;
     bool sift = true;
     int width_px = 320;
-    std::vector<std::string> axes;  // empty: all
+    std::vector<std::string> axes;    // empty: all
+    std::vector<std::string> steps;   // of these axes, by label; empty: all
+    std::vector<std::string> scenes;  // empty: those of the scale
+    std::vector<int> seeds;           // likewise
+    double length_m = 0.0;            // of the plain dive; 0: that of the scale
 };
 
-bool is_wanted(const EnvelopeAxis& axis, const Options& options) {
-    return options.axes.empty() ||
-           std::find(options.axes.begin(), options.axes.end(), axis.name) != options.axes.end();
+bool is_wanted(const std::string& name, const std::vector<std::string>& wanted) {
+    return wanted.empty() || std::find(wanted.begin(), wanted.end(), name) != wanted.end();
+}
+
+EnvelopeScale scale_of(const Options& options) {
+    EnvelopeScale scale = options.quick ? quick_envelope() : whole_envelope();
+    scale.sift = options.sift;
+    scale.width_px = options.width_px;
+    scale.height_px = 3 * options.width_px / 4;
+    if (!options.scenes.empty()) scale.scenes = options.scenes;
+    if (!options.seeds.empty()) scale.seeds = options.seeds;
+    if (options.length_m > 0.0) scale.plain_length_m = options.length_m;
+    return scale;
 }
 
 void walk(
@@ -75,10 +89,7 @@ json edge(const EnvelopeAxis& axis, const json& runs) {
 }
 
 json report(const Options& options, const fs::path& results) {
-    EnvelopeScale scale = options.quick ? quick_envelope() : whole_envelope();
-    scale.sift = options.sift;
-    scale.width_px = options.width_px;
-    scale.height_px = 3 * options.width_px / 4;
+    const EnvelopeScale scale = scale_of(options);
     EnvelopeRuns runs(options.program, options.cache, results, scale);
     json result = {{"machine", describe_machine()},
                    {"num_runs", 0},
@@ -87,8 +98,11 @@ json report(const Options& options, const fs::path& results) {
                    {"silent", json::array()},
                    {"hollow", json::array()},
                    {"runs", json::array()}};
-    for (const EnvelopeAxis& axis : envelope_axes()) {
-        if (!is_wanted(axis, options)) continue;
+    for (EnvelopeAxis axis : envelope_axes()) {
+        if (!is_wanted(axis.name, options.axes)) continue;
+        std::erase_if(axis.steps, [&](const EnvelopeStep& step) {
+            return !is_wanted(step.label, options.steps);
+        });
         const json of_axis = walk_all(axis, scale, runs);
         if (axis.ordered) result["edges"].push_back(edge(axis, of_axis));
         for (json& row : summarise(axis, of_axis)) result["steps"].push_back(std::move(row));
@@ -143,6 +157,11 @@ int main(int argc, char** argv) {
         ->capture_default_str()
         ->check(CLI::Range(64, 4096));
     app.add_option("--axis", options.axes, "only these, by name")->delimiter(',');
+    app.add_option("--step", options.steps, "only these steps, by label")->delimiter(',');
+    app.add_option("--scenes", options.scenes, "instead of the two usual ones")->delimiter(',');
+    app.add_option("--seeds", options.seeds, "instead of the three usual ones")->delimiter(',');
+    app.add_option("--length-m", options.length_m, "path of the dive that steps alter")
+        ->check(CLI::Range(1.0, 1000.0));
     app.add_option("--keep", options.keep, "keep results in this folder, and go on from there");
     app.add_option("--table", options.table, "write the table to this Markdown file");
     app.add_option("--plot", options.plot, "write the plot to this SVG");

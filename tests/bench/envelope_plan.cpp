@@ -94,6 +94,16 @@ EnvelopeStep without_imu(EnvelopeStep step) {
     return step;
 }
 
+EnvelopeAxis calibrations(const std::string& name, Imu imu) {
+    EnvelopeAxis axis{.name = name};
+    for (const double error : {0.0, 0.5, 1.0, 2.0, 4.0})
+        axis.steps.push_back(changed(number(error) + " x", [&](DiveChange& change) {
+            change.calibration_error = error;
+            change.imu = imu;
+        }));
+    return axis;
+}
+
 EnvelopeAxis pauses() {
     EnvelopeAxis axis{.name = "stillness", .ordered = false};
     const std::pair<const char*, const char*> places[] = {{"20 s at the start", "0:20"},
@@ -141,7 +151,8 @@ const std::vector<EnvelopeAxis>& envelope_axes() {
         rates("rate without IMU", Imu::None),
         overlaps(),
         rendered_axis("turning", "--swing", {20, 40, 60, 90, 120, 180}, " deg/s"),
-        changed_axis("calibration error", &DiveChange::calibration_error, {0, 0.5, 1, 2, 4}, " x"),
+        calibrations("calibration error", Imu::AsIs),
+        calibrations("calibration error without IMU", Imu::None),
         changed_axis("vertical misalignment",
                      &DiveChange::vertical_misalignment_px,
                      {0.5, 1, 2, 4, 8, 16},

@@ -74,7 +74,8 @@ void report_delay(const PairedFrames& frames, double baseline_m, FindingLog& fin
             "right images were exposed " + base::fixed(1e3 * std::abs(delay.delay_s), 1) + " ms " +
                 (delay.delay_s > 0.0 ? "after" : "before") + " the left ones of their pairs (+- " +
                 base::fixed(2e3 * delay.sigma_s, 1) + " ms, by the images)" +
-                effect_of(std::abs(delay.delay_s), delay, baseline_m),
+                effect_of(std::abs(delay.delay_s), delay, baseline_m) +
+                ". The reconstruction takes the motion of that time off",
             "Trigger both cameras together, or move slowly.");
     std::int64_t max_offset_ns = 0;
     for (const FramePair& pair : frames.pairs) {

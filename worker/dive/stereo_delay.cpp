@@ -19,7 +19,7 @@ constexpr std::size_t kMinMoments = 4;
 constexpr std::size_t kMinSamplesOfMoment = 15;
 constexpr double kMinRate_px_s = 2.0;  // below this the noise of tracking decides
 
-constexpr double kMinDelay_s = 0.003;
+constexpr double kMinDelay_s = 0.002;
 constexpr double kSigmas = 5.0;
 
 using Model = Eigen::Vector4d;  // delay in s; misalignment in px: constant, by x, by y

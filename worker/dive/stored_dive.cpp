@@ -118,6 +118,8 @@ void StoredDive::pair_images() {
     if (!contents_.has_rig)
         contents_.frames.pairs =
             match_pairs(images.left, images.right, {}, common_clock_tolerance_ns(images.left));
+    if (contents_.frames.delay.is_significant())
+        contents_.rig.right_delay_s = contents_.frames.delay.delay_s;
     report_pairs(contents_.frames, images, contents_.rig.baseline_m(), findings_);
 }
 

@@ -10,7 +10,8 @@
 namespace divemesh::evaluation {
 namespace {
 
-constexpr double kMaxSigma = 0.1;                   // beyond it a check is not informative
+// Beyond it a check is not informative: path and sensor err by as much for reasons of their own.
+constexpr double kMaxSigma = 0.05;
 constexpr double kAccelerometerScaleSigma = 0.003;  // of the sensor itself
 // Recorders turn pressure into depth with the density that they are set to: fresh and sea water
 // differ by 2.5 to 3 %.

@@ -45,7 +45,8 @@ double measure(const types::RectifiedFrame& frame,
         return guess > 0.0 ? refine(*patch, frame.right, feature, guess) : 0.0;
     }
     if (types::has_depth(feature)) {
-        const double disparity = refine(*patch, frame.right, feature, feature.disparity_px);
+        const double disparity = refine(
+            *patch, frame.right, feature, frame.matched_px(feature.pixel, feature.disparity_px));
         if (disparity > 0.0) return disparity;
     }
     const int found = row.find(frame.left,
@@ -63,8 +64,11 @@ void match_sparse_stereo(const types::RectifiedFrame& frame,
                          int num_disparities_px,
                          types::Features& features) {
     EpipolarSearch row;
-    for (types::Feature& feature : features)
+    for (types::Feature& feature : features) {
         feature.disparity_px = measure(frame, dense_px, num_disparities_px, row, feature);
+        if (types::has_depth(feature))
+            feature.disparity_px = frame.disparity_px(feature.pixel, feature.disparity_px);
+    }
 }
 
 }  // namespace divemesh::features

@@ -112,7 +112,8 @@ Eigen::Vector2d slope_of(const types::RectifiedFrame& frame,
         v + kRadius_px >= frame.left.rows)
         return Eigen::Vector2d::Zero();
     const LeftPatch left = read_left(frame.left, u, v);
-    DisparityPlane plane{static_cast<float>(feature.disparity_px), 0.0F, 0.0F};
+    DisparityPlane plane{
+        static_cast<float>(frame.matched_px(feature.pixel, feature.disparity_px)), 0.0F, 0.0F};
     for (int iteration = 0; iteration < kIterations; ++iteration) {
         Values right;
         if (!read_right(frame.right, u, v, plane, right) || !relight(left.values, right))

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "worker/camera/synchronise_pair.hpp"
 #include "worker/odometry/dynamic_features.hpp"
 
 namespace divemesh::keyframes {
@@ -52,9 +53,11 @@ void KeyframeWriter::store(Waiting& waiting, Lane& lane) const {
         store_.write_keypoints(frame.index, *waiting.seen.view);
     }
     if (!surface_) return;
-    if (waiting.depth.disparity_px.empty())
+    if (waiting.depth.disparity_px.empty()) {
         waiting.depth = waiting.seen.range ? lane.stereo.match(frame, *waiting.seen.range)
                                            : lane.stereo.match(frame);
+        camera::correct_disparities(frame, waiting.depth);
+    }
     lane.matched.add(waiting.depth.search);
     odometry::mask_dynamic_features(waiting.seen.dynamic, waiting.seen.scene, waiting.depth);
     store_.write(frame.index, waiting.depth);

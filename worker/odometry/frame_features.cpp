@@ -8,6 +8,7 @@
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/features/surface_slope.hpp"
 #include "worker/odometry/refine_pose.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::odometry {
 
@@ -40,6 +41,14 @@ types::Features without_dynamic_features(const types::Features& tracks,
 std::size_t num_with_depth(const types::Features& features) {
     return static_cast<std::size_t>(
         std::count_if(features.begin(), features.end(), types::has_depth));
+}
+
+double median_disparity_px(const types::Features& features) {
+    std::vector<double> disparities_px;
+    disparities_px.reserve(features.size());
+    for (const types::Feature& feature : features)
+        if (types::has_depth(feature)) disparities_px.push_back(feature.disparity_px);
+    return disparities_px.empty() ? 0.0 : stats::median(std::move(disparities_px));
 }
 
 types::FrameFeatures feature_counts(const types::Features& features) {

@@ -31,6 +31,8 @@ types::Features without_dynamic_features(const types::Features& tracks,
 types::Features static_features(const Registration& motion);
 
 std::size_t num_with_depth(const types::Features& features);
+// Returns the median disparity of those with depth; 0 if there is none.
+double median_disparity_px(const types::Features& features);
 types::FrameFeatures feature_counts(const types::Features& features);
 
 // Adds features of the scene that the tracker had lost and finds again once the motion is known.

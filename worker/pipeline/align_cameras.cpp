@@ -9,6 +9,7 @@
 #include "worker/calibration/stereo_alignment.hpp"
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/camera/rectifier.hpp"
+#include "worker/camera/synchronise_pair.hpp"
 #include "worker/features/match_misaligned_stereo.hpp"
 #include "worker/pipeline/range_windows.hpp"
 
@@ -59,7 +60,8 @@ public:
     types::StereoMatches matches(int frame_index) const {
         const auto frame = recording_.frame(frame_index);
         if (!frame) return {};
-        types::StereoMatches found = features::match_misaligned_stereo(rectifier_.rectify(*frame));
+        types::StereoMatches found = features::match_misaligned_stereo(camera::synchronise_pair(
+            rectifier_.rectify(*frame), exposure_motion_at(recording_, rectifier_, frame_index)));
         for (types::StereoMatch& match : found) {
             match.left_px = as_stated(0, match.left_px);
             match.right_px = as_stated(1, match.right_px);

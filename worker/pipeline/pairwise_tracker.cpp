@@ -68,8 +68,8 @@ TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
     tracked.features = odometry::feature_counts(features_);
     if (keep || (vision.found && mapping_rule_.due(features_))) {
         mapping_rule_.taken(features_);
-        tracked.to_map = {std::move(depth),
-                          {{}, moving_.now(), odometry::static_features(vision), {}}};
+        tracked.to_map = {
+            frame, std::move(depth), {{}, moving_.now(), odometry::static_features(vision), {}}};
     }
     return tracked;
 }

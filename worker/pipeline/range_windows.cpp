@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include "worker/base/parallel.hpp"
+#include "worker/camera/synchronise_pair.hpp"
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/register_points.hpp"
@@ -34,20 +34,32 @@ public:
     explicit WindowFeatures(const types::RectifiedRig& rig)
         : rig_(rig), num_disparities_px_(rig.width_px / 3), tracker_(rig, kNumFeatures) {}
 
-    void start(const types::RectifiedFrame& frame) {
+    // `between`: of a pair whose right image is late, as far as it is known.
+    void start(const types::RectifiedFrame& recorded,
+               const std::optional<types::ExposureMotion>& between) {
+        const types::RectifiedFrame frame = camera::synchronise_pair(recorded, between);
         tracker_.track(frame.left, {}, Eigen::Isometry3d::Identity());
         odometry::add_new_features(rig_, frame, {}, num_disparities_px_, tracker_, features_);
         first_ = features_;
     }
 
-    // Returns false if too few features agree on a motion.
-    bool step(const types::RectifiedFrame& frame) {
+    // Returns false if too few features agree on a motion. `share` of the last step's motion lies
+    // between the exposures.
+    bool step(const types::RectifiedFrame& recorded, double share) {
+        const types::RectifiedFrame frame = camera::synchronise_pair(recorded, moved_by(share));
         const types::Features previous = std::move(features_);
         features_ = tracker_.track(frame.left, previous, motion_);
         features::match_sparse_stereo(frame, {}, num_disparities_px_, features_);
         const odometry::Registration motion = registered(previous);
         motion_ = motion.T_current_previous;
         return motion.found;
+    }
+
+    // Returns a share of the last step's motion; nullopt if it is none.
+    std::optional<types::ExposureMotion> moved_by(double share) const {
+        const double disparity_px = odometry::median_disparity_px(features_);
+        if (share == 0.0 || disparity_px <= 0.0) return std::nullopt;
+        return camera::exposure_motion(rig_, motion_, share, disparity_px);
     }
 
     calibration::RangeWindow window() const {
@@ -82,19 +94,37 @@ calibration::RangeWindow track_window(const types::Recording& recording,
                                       int first_frame,
                                       int num_steps) {
     WindowFeatures features(rectifier.rig());
+    std::int64_t before_ns = 0;
     for (int i = 0; i <= num_steps; ++i) {
         const auto frame = recording.frame(first_frame + i);
         if (!frame) return {};
         const types::RectifiedFrame rectified = rectifier.rectify(*frame);
+        const double interval_s = 1e-9 * static_cast<double>(frame->timestamp_ns - before_ns);
         if (i == 0)
-            features.start(rectified);
-        else if (!features.step(rectified))
+            features.start(rectified, exposure_motion_at(recording, rectifier, first_frame));
+        else if (!features.step(rectified, recording.rig().right_delay_s / interval_s))
             return {};
+        before_ns = frame->timestamp_ns;
     }
     return features.window();
 }
 
 }  // namespace
+
+std::optional<types::ExposureMotion> exposure_motion_at(const types::Recording& recording,
+                                                        const camera::Rectifier& rectifier,
+                                                        int frame_index) {
+    const double delay_s = recording.rig().right_delay_s;
+    if (delay_s == 0.0 || frame_index + 1 >= recording.num_frames()) return std::nullopt;
+    const auto frame = recording.frame(frame_index);
+    const auto next = recording.frame(frame_index + 1);
+    if (!frame || !next) return std::nullopt;
+    WindowFeatures features(rectifier.rig());
+    features.start(rectifier.rectify(*frame), std::nullopt);
+    if (!features.step(rectifier.rectify(*next), 0.0)) return std::nullopt;
+    const double interval_s = 1e-9 * static_cast<double>(next->timestamp_ns - frame->timestamp_ns);
+    return features.moved_by(delay_s / interval_s);
+}
 
 std::vector<calibration::RangeWindow> track_windows(const types::Recording& recording,
                                                     const camera::Rectifier& rectifier,

@@ -37,7 +37,7 @@ types::Track track_frames(types::Recording& recording,
         const TrackedFrame tracked = tracker.process(*frame);
         writer.go_on(tracked.moving_before);
         if (tracked.to_map) {
-            writer.write(*frame, tracked.to_map->depth, tracked.to_map->seen);
+            writer.write(tracked.to_map->frame, tracked.to_map->depth, tracked.to_map->seen);
             result.mapped.push_back({frame->index, frame->timestamp_ns, tracked.T_world_cam});
         }
         T_start_cam = T_start_cam * tracked.T_current_previous.inverse();

@@ -17,6 +17,7 @@ namespace divemesh::pipeline {
 
 // The data of a frame for mapping that the keyframe writer needs.
 struct FrameToMap {
+    types::RectifiedFrame frame;
     types::DepthMap depth;  // empty: the writer matches the frame itself
     keyframes::KeyframeWriter::Seen seen;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "worker/camera/synchronise_pair.hpp"
 #include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/motion_by_vision.hpp"
 #include "worker/odometry/predict_orientation.hpp"
@@ -24,7 +25,8 @@ WindowTracker::WindowTracker(const types::RectifiedRig& rig,
                              const types::Recording& recording,
                              const ReconstructionOptions& options,
                              const imu::SensorPlan& plan)
-    : state_(rig, recording, options, plan),
+    : right_delay_s_(recording.rig().right_delay_s),
+      state_(rig, recording, options, plan),
       recovery_(state_),
       rest_(rig, state_.inertial, state_.motion),
       aligner_(recording, plan.left_out, plan.time_offset_s),
@@ -35,15 +37,28 @@ WindowTracker::WindowTracker(const types::RectifiedRig& rig,
     if (plan.time_offset_s != 0.0) state_.inertial.align({plan.time_offset_s});
 }
 
-TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
+types::RectifiedFrame WindowTracker::synchronised(const types::RectifiedFrame& frame,
+                                                  const PredictedMotion& prediction) const {
+    const std::int64_t interval_ns = frame.timestamp_ns - state_.motion.timestamp_ns();
+    const double disparity_px = odometry::median_disparity_px(state_.features);
+    if (right_delay_s_ == 0.0 || !prediction.reliable || interval_ns <= 0 || disparity_px <= 0.0)
+        return frame;
+    const double share = right_delay_s_ / (1e-9 * static_cast<double>(interval_ns));
+    return camera::synchronise_pair(
+        frame,
+        camera::exposure_motion(state_.rig, prediction.T_current_previous, share, disparity_px));
+}
+
+TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
     odometry::MotionModel& motion = state_.motion;
-    const std::int64_t now_ns = frame.timestamp_ns;
+    const std::int64_t now_ns = recorded.timestamp_ns;
     if (!motion.started())
         motion.start(now_ns, odometry::first_pose(state_.inertial, state_.rig, now_ns));
     const std::int64_t before_ns = motion.timestamp_ns();
     const auto rotation = motion.rotation(now_ns);
     const PredictedMotion prediction{
         rotation, motion.predict(rotation, now_ns), motion.predicts_reliably(now_ns)};
+    const types::RectifiedFrame frame = synchronised(recorded, prediction);
 
     const Observed seen = observe(frame, prediction);  // 2, 3, 4
     const odometry::Registration& vision = seen.vision;
@@ -69,7 +84,7 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& frame) {
     TrackedFrame tracked{T_current_previous, motion.T_world_cam(), state_.moving.before(), {}};
     tracked.by_vision = vision.found;
     tracked.features = odometry::feature_counts(state_.features);
-    tracked.to_map = to_map(vision, kept);
+    tracked.to_map = to_map(frame, vision, kept);
     state_.memory.pass(frame);
     return tracked;
 }
@@ -169,13 +184,17 @@ bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,
     return keep;
 }
 
-std::optional<FrameToMap> WindowTracker::to_map(const odometry::Registration& vision, bool kept) {
+std::optional<FrameToMap> WindowTracker::to_map(const types::RectifiedFrame& frame,
+                                                const odometry::Registration& vision,
+                                                bool kept) {
     if (!kept && !(vision.found && mapping_rule_.due(state_.features))) return std::nullopt;
     mapping_rule_.taken(state_.features);
     const types::DisparityRange range =
         stereo::disparity_search_range(state_.features, state_.options.num_disparities_px);  // 1
     return FrameToMap{
-        {}, {std::move(view_), state_.moving.now(), odometry::static_features(vision), range}};
+        frame,
+        {},
+        {std::move(view_), state_.moving.now(), odometry::static_features(vision), range}};
 }
 
 void WindowTracker::move_to(types::Track& track) {

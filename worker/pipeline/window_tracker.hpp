@@ -32,6 +32,10 @@ public:
     const imu::SensorWatch& sensors() const { return sensors_; }
 
 private:
+    // Returns the frame with its right image at the time of the left one, if that is late and the
+    // motion is known.
+    types::RectifiedFrame synchronised(const types::RectifiedFrame& frame,
+                                       const PredictedMotion& prediction) const;
     // Steps 2 to 4, by descriptors where the prediction does not reach.
     Observed observe(const types::RectifiedFrame& frame, const PredictedMotion& prediction);
     // Takes the features to follow from the frame.
@@ -47,8 +51,11 @@ private:
     // Returns true if it was kept.
     bool keep_if_due(const types::RectifiedFrame& frame, const odometry::Registration& vision);
     // Returns the frame's data for mapping; nullopt if it is not mapped.
-    std::optional<FrameToMap> to_map(const odometry::Registration& vision, bool kept);
+    std::optional<FrameToMap> to_map(const types::RectifiedFrame& frame,
+                                     const odometry::Registration& vision,
+                                     bool kept);
 
+    double right_delay_s_;
     TrackingState state_;
     Recovery recovery_;
     RestWatch rest_;

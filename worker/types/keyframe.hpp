@@ -3,8 +3,10 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 #include <vector>
 
+#include "worker/types/exposure_motion.hpp"
 #include "worker/types/search_outcome.hpp"
 
 namespace divemesh::types {
@@ -22,6 +24,16 @@ struct RectifiedFrame {
     std::int64_t timestamp_ns = 0;
     cv::Mat left;   // CV_8UC1
     cv::Mat right;  // CV_8UC1
+    // Set if `right` was exposed later and is warped to the time of `left`.
+    std::optional<ExposureMotion> between = std::nullopt;
+
+    // Returns the disparity at the time of `left` of what is matched in `right`, and the inverse.
+    double disparity_px(const Eigen::Vector2d& pixel, double matched_px) const {
+        return between ? between->disparity_px(pixel, matched_px) : matched_px;
+    }
+    double matched_px(const Eigen::Vector2d& pixel, double disparity_px) const {
+        return between ? between->matched_px(pixel, disparity_px) : disparity_px;
+    }
 };
 
 // A frame that is kept for mapping. Its images and depth are in the keyframe store under the same

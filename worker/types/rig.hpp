@@ -23,6 +23,9 @@ struct Rig {
     Eigen::Isometry3d T_imu_cam0 = Eigen::Isometry3d::Identity();
     Eigen::Isometry3d T_imu_cam1 = Eigen::Isometry3d::Identity();
     std::optional<ImuNoise> imu_noise;  // nullopt if the dive has no IMU
+    // How much later than its left image the right one of a pair is exposed, by the images; 0:
+    // together, as far as they tell.
+    double right_delay_s = 0.0;
 
     Eigen::Isometry3d T_cam1_cam0() const { return T_imu_cam1.inverse() * T_imu_cam0; }
     double baseline_m() const { return T_cam1_cam0().translation().norm(); }

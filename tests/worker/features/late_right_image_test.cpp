@@ -1,0 +1,98 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
+#include "tests/synthetic/sea_floor.hpp"
+#include "worker/camera/synchronise_pair.hpp"
+#include "worker/features/match_sparse_stereo.hpp"
+#include "worker/stats/median.hpp"
+
+namespace divemesh::features {
+namespace {
+
+using synthetic::SeaFloor;
+
+// A pair over a floor that is seen at an angle, whose right image was exposed after the camera had
+// moved on.
+class LateRightImageTest : public ::testing::Test {
+protected:
+    LateRightImageTest() {
+        T_world_cam_.rotate(Eigen::AngleAxisd(0.6, Eigen::Vector3d::UnitX()) *
+                            Eigen::AngleAxisd(-0.3, Eigen::Vector3d::UnitY()));
+        T_later_now_.rotate(
+            Eigen::AngleAxisd(0.008, Eigen::Vector3d(0.5, -0.4, 0.77).normalized()));
+        T_later_now_.translation() << -0.012, -0.008, -0.015;
+        frame_.left = look(T_world_cam_);
+        frame_.right = look(T_world_cam_ * T_later_now_.inverse() *
+                            Eigen::Translation3d(rig_.baseline_m, 0.0, 0.0));
+    }
+
+    static cv::Mat look(const Eigen::Isometry3d& T_world_cam) {
+        cv::Mat gray;
+        cv::extractChannel(SeaFloor().look(T_world_cam).left_color, gray, 0);
+        return gray;
+    }
+    double true_disparity_px(double u_px, double v_px) const {
+        return rig_.disparity_px(SeaFloor::seen_at(T_world_cam_, u_px, v_px).z());
+    }
+    types::RectifiedFrame synchronised() const {
+        const double compensated_px = true_disparity_px(160.0, 120.0);
+        return camera::synchronise_pair(
+            frame_, camera::exposure_motion(rig_, T_later_now_, 1.0, compensated_px));
+    }
+    // Returns the errors of the disparities found at a grid of features.
+    std::vector<double> errors_px(const types::RectifiedFrame& frame) const {
+        types::Features features;
+        for (int i = 0; i < 60; ++i)
+            features.push_back({i, {70.0 + 22.0 * (i % 10), 40.0 + 30.0 * (i / 10)}, 0.0});
+        match_sparse_stereo(frame, {}, 64, features);
+        std::vector<double> errors;
+        for (const types::Feature& feature : features)
+            if (types::has_depth(feature))
+                errors.push_back(std::abs(feature.disparity_px -
+                                          true_disparity_px(feature.pixel.x(), feature.pixel.y())));
+        return errors;
+    }
+
+    const types::RectifiedRig rig_ = synthetic::small_rig();
+    Eigen::Isometry3d T_world_cam_ = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d T_later_now_ = Eigen::Isometry3d::Identity();
+    types::RectifiedFrame frame_;
+};
+
+TEST_F(LateRightImageTest, DisparitiesAreThoseOfTheLeftImagesTime) {
+    const std::vector<double> recorded = errors_px(frame_);
+    const std::vector<double> compensated = errors_px(synchronised());
+    ASSERT_GE(compensated.size(), 40U);
+    EXPECT_GT(compensated.size(), recorded.size());
+    EXPECT_LT(stats::median(compensated), 0.1);
+    EXPECT_TRUE(recorded.empty() || stats::median(recorded) > 1.0);
+}
+
+TEST_F(LateRightImageTest, DenseDisparitiesAreCorrectedAlike) {
+    const types::RectifiedFrame frame = synchronised();
+    types::DepthMap depth;
+    depth.disparity_px = cv::Mat(240, 320, CV_32F, 0.0F);
+    for (int v = 20; v < 220; v += 10)
+        for (int u = 60; u < 300; u += 10)
+            depth.disparity_px.at<float>(v, u) = static_cast<float>(
+                frame.matched_px(Eigen::Vector2d(u, v), true_disparity_px(u, v)));
+
+    camera::correct_disparities(frame, depth);
+
+    for (int v = 20; v < 220; v += 10)
+        for (int u = 60; u < 300; u += 10)
+            ASSERT_NEAR(depth.disparity_px.at<float>(v, u), true_disparity_px(u, v), 0.01);
+    EXPECT_EQ(depth.disparity_px.at<float>(0, 0), 0.0F);
+}
+
+TEST_F(LateRightImageTest, NothingKnownBetweenThemChangesNothing) {
+    const types::RectifiedFrame frame = camera::synchronise_pair(frame_, std::nullopt);
+    EXPECT_EQ(cv::norm(frame.right, frame_.right, cv::NORM_INF), 0.0);
+    EXPECT_EQ(frame.disparity_px({100.0, 100.0}, 12.0), 12.0);
+}
+
+}  // namespace
+}  // namespace divemesh::features
