@@ -76,17 +76,18 @@ InertialPrior::InertialPrior(const types::Recording& recording,
     : recording_(recording),
       rates_(usable_rates(recording, left_out)),
       imu_(rates_),
-      orientations_(recording.ahrs()),
+      usable_orientations_(usable_orientations(recording, left_out)),
+      orientations_(usable_orientations_),
       gyroscope_(options.use_imu && recording.rig().imu_noise && !imu_.empty()),
       accelerometer_(gyroscope_ && !left_out.accelerometer && measures_gravity(imu_)),
-      ahrs_(options.use_ahrs && !left_out.ahrs && !recording.ahrs().empty()),
+      ahrs_(options.use_ahrs && !orientations_.empty()),
       ahrs_leads_(options.estimator == "pairwise"),
       pressure_(options.use_pressure && !left_out.pressure && !recording.pressure().empty()),
       noise_(inflated(recording.rig().imu_noise.value_or(types::ImuNoise{}))) {}
 
 void InertialPrior::align(const types::ImuAlignment& alignment) {
     imu_ = aligned(rates_, alignment);
-    orientations_ = aligned(recording_.ahrs(), alignment);
+    orientations_ = aligned(usable_orientations_, alignment);
 }
 
 bool InertialPrior::imu_is_used(std::int64_t from_ns, std::int64_t to_ns) const {

@@ -48,7 +48,6 @@ public:
     const std::vector<types::ImuSample>& rates() const { return rates_; }
     bool has_gyroscope() const { return gyroscope_; }
     bool has_accelerometer() const { return accelerometer_; }
-    bool has_ahrs() const { return ahrs_; }
     bool has_pressure() const { return pressure_; }
 
     // Returns q_from_to of the body; nullopt if no sensor covers the interval.
@@ -92,9 +91,10 @@ private:
 
     const types::Recording& recording_;
     std::optional<std::int64_t> imu_ends_ns_;
-    std::vector<types::ImuSample> rates_;  // usable, as recorded
-    std::vector<types::ImuSample> imu_;    // aligned
-    std::vector<types::OrientationSample> orientations_;
+    std::vector<types::ImuSample> rates_;                        // usable, as recorded
+    std::vector<types::ImuSample> imu_;                          // aligned
+    std::vector<types::OrientationSample> usable_orientations_;  // likewise
+    std::vector<types::OrientationSample> orientations_;         // aligned
     bool gyroscope_ = false;
     bool accelerometer_ = false;
     bool ahrs_ = false;

@@ -88,8 +88,10 @@ std::optional<AhrsFault> fault_of_writing(const Orientations& orientations,
 
 AhrsJudgement judge_ahrs(const Orientations& orientations, const std::vector<TurnSpan>& spans) {
     const Parts parts = judge_parts(orientations, spans);
-    if (!parts.contradict()) return {};
-    return {fault_of_writing(orientations, spans).value_or(AhrsFault::AsGyroscope), parts.first};
+    if (!parts.contradict())
+        return {AhrsFault::None, parts.first, wrong_times(rates_of(orientations), spans)};
+    return {
+        fault_of_writing(orientations, spans).value_or(AhrsFault::AsGyroscope), parts.first, {}};
 }
 
 }  // namespace divemesh::imu

@@ -60,8 +60,8 @@ SensorWatch::SensorWatch(const types::Recording& recording,
       samples_(used.imu
                    ? shifted(without(plan.left_out.imu_times, recording.imu()), plan.time_offset_s)
                    : std::vector<types::ImuSample>{}),
-      orientations_(used.ahrs && !plan.left_out.ahrs ? recording.ahrs()
-                                                     : std::vector<types::OrientationSample>{}),
+      orientations_(used.ahrs ? usable_orientations(recording, plan.left_out)
+                              : std::vector<types::OrientationSample>{}),
       gravity_(samples_),
       next_judgement_(kFirstJudgement) {}
 
@@ -161,9 +161,14 @@ std::optional<SensorPlan> SensorWatch::restart_at_end() const {
     if (ahrs.fault != AhrsFault::None) {
         plan.left_out.ahrs = true;
         plan.ahrs = ahrs;
+    } else if (!ahrs.wrong_times.empty()) {
+        plan.left_out.ahrs_times.insert(
+            plan.left_out.ahrs_times.end(), ahrs.wrong_times.begin(), ahrs.wrong_times.end());
+        plan.ahrs = ahrs;
     }
     std::vector<types::TimeInterval> times = wrong_times();
-    if (times.empty() && plan.left_out.ahrs == plan_.left_out.ahrs) return std::nullopt;
+    if (times.empty() && plan.left_out.ahrs == plan_.left_out.ahrs && ahrs.wrong_times.empty())
+        return std::nullopt;
     if (!contradicted_.empty()) plan.gyroscope = first_contradiction_;
     const std::int64_t shift_ns = std::llround(1e9 * plan_.time_offset_s);
     for (types::TimeInterval& time : times) {

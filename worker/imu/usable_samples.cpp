@@ -2,16 +2,6 @@
 
 namespace divemesh::imu {
 
-std::vector<types::ImuSample> without(const std::vector<types::TimeInterval>& times,
-                                      const std::vector<types::ImuSample>& samples) {
-    std::vector<types::ImuSample> result = samples;
-    for (const types::TimeInterval& time : times)
-        std::erase_if(result, [&](const types::ImuSample& sample) {
-            return time.from_ns <= sample.timestamp_ns && sample.timestamp_ns <= time.to_ns;
-        });
-    return result;
-}
-
 std::vector<types::ImuSample> usable_rates(const types::Recording& recording,
                                            const types::SensorsLeftOut& left_out) {
     if (left_out.imu) return {};
@@ -22,6 +12,12 @@ std::vector<types::ImuSample> usable_forces(const types::Recording& recording,
                                             const types::SensorsLeftOut& left_out) {
     if (left_out.accelerometer) return {};
     return usable_rates(recording, left_out);
+}
+
+std::vector<types::OrientationSample> usable_orientations(const types::Recording& recording,
+                                                          const types::SensorsLeftOut& left_out) {
+    if (left_out.ahrs) return {};
+    return without(left_out.ahrs_times, recording.ahrs());
 }
 
 }  // namespace divemesh::imu

@@ -38,11 +38,11 @@ void judge_pressure(const types::Recording& recording,
                     types::Track& track) {
     if (!options.use_pressure) return;
     const imu::InertialPrior inertial(recording, options, track.left_out);
+    const bool vertical_is_known =
+        inertial.has_accelerometer() ||
+        (!track.causal.empty() && inertial.absolute(track.causal.front().timestamp_ns));
     const imu::PressureJudgement judgement =
-        imu::judge_pressure(recording.pressure(),
-                            track.causal,
-                            track.breaks_ns,
-                            inertial.has_accelerometer() || inertial.has_ahrs());
+        imu::judge_pressure(recording.pressure(), track.causal, track.breaks_ns, vertical_is_known);
     if (judgement.fault == imu::PressureFault::None) return;
     track.left_out.pressure = true;
     track.findings.push_back(pressure_left_out(judgement));

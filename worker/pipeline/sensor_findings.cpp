@@ -54,11 +54,16 @@ Finding imu_left_out(const imu::GyroscopeJudgement& judgement) {
         "the scale now, and the vertical is that of the first image"};
 }
 
+double duration_s(const std::vector<types::TimeInterval>& times) {
+    double sum_s = 0.0;
+    for (const types::TimeInterval& time : times)
+        sum_s += 1e-9 * static_cast<double>(time.to_ns - time.from_ns);
+    return sum_s;
+}
+
 Finding imu_left_out_for_a_time(const imu::SensorPlan& plan) {
-    double seconds = 0.0;
-    for (const types::TimeInterval& time : plan.left_out.imu_times)
-        seconds += 1e-9 * static_cast<double>(time.to_ns - time.from_ns);
-    const std::string duration = " for " + base::fixed(seconds, 0) + " s; likely cause: ";
+    const std::string duration =
+        " for " + base::fixed(duration_s(plan.left_out.imu_times), 0) + " s; likely cause: ";
     const bool explained = plan.gyroscope.fault != imu::GyroscopeFault::None;
     return {Severity::Warning,
             "imu_left_out_for_a_time",
@@ -134,6 +139,17 @@ Finding ahrs_left_out(const imu::AhrsJudgement& judgement) {
             "check the order and the sense of the AHRS's quaternions, its axes and its clock"};
 }
 
+Finding ahrs_left_out_for_a_time(const imu::SensorPlan& plan) {
+    return {Severity::Warning,
+            "ahrs_left_out_for_a_time",
+            kAhrsTable,
+            "the rotations of the AHRS do not match those of the images for " +
+                base::fixed(duration_s(plan.left_out.ahrs_times), 0) +
+                " s; likely cause: iron near its compass, a sensor that failed, or rows of another "
+                "time. The AHRS was left out for that time",
+            "check the rows of the AHRS's table at that time"};
+}
+
 // Names what is likely to be wrong with the pressure sensor.
 std::string cause(const imu::PressureJudgement& judgement) {
     switch (judgement.fault) {
@@ -164,7 +180,10 @@ Finding pressure_left_out(const imu::PressureJudgement& judgement) {
 
 std::vector<Finding> sensor_findings(const imu::SensorPlan& plan) {
     std::vector<Finding> findings;
-    if (plan.left_out.ahrs) findings.push_back(ahrs_left_out(plan.ahrs));
+    if (plan.left_out.ahrs)
+        findings.push_back(ahrs_left_out(plan.ahrs));
+    else if (!plan.left_out.ahrs_times.empty())
+        findings.push_back(ahrs_left_out_for_a_time(plan));
     const bool explained = plan.gyroscope.fault != imu::GyroscopeFault::None;
     if (plan.imu_on_probation || plan.left_out.imu) {
         findings.push_back(plan.imu_on_probation || !explained ? imu_not_confirmed()

@@ -110,6 +110,7 @@ void fields(auto& file, Is<types::SensorsLeftOut> auto& left_out) {
     file.flag(left_out.ahrs);
     file.flag(left_out.pressure);
     file.vector(left_out.imu_times);
+    file.vector(left_out.ahrs_times);
 }
 
 void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {

@@ -44,7 +44,7 @@ struct ExposureMotion {
     }
 
 private:
-    static constexpr int kIterations = 2;
+    static constexpr int kIterations = 3;
 
     // Returns the shift that was taken off where the point is matched.
     double compensated_shift_px(const Eigen::Vector2d& pixel, double matched_px) const {

@@ -17,7 +17,9 @@ struct SensorsLeftOut {
     bool accelerometer = false;  // the gyroscope is used
     bool ahrs = false;
     bool pressure = false;
-    std::vector<TimeInterval> imu_times;  // on the IMU's clock; it is used at all other times
+    // On the sensors' clock; they are used at all other times.
+    std::vector<TimeInterval> imu_times;
+    std::vector<TimeInterval> ahrs_times;
 };
 
 }  // namespace divemesh::types

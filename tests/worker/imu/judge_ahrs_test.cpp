@@ -53,7 +53,26 @@ TEST(JudgeAhrsTest, NoiseAndDriftAreNoContradiction) {
         return base::rotation_from_vector({0, 0, 0.002 * t_s}) * q_world_body(t_s) *
                base::rotation_from_vector(0.003 * noise);
     };
-    EXPECT_EQ(judged(noisy).fault, AhrsFault::None);
+    const AhrsJudgement judgement = judged(noisy);
+    EXPECT_EQ(judgement.fault, AhrsFault::None);
+    EXPECT_TRUE(judgement.wrong_times.empty());
+}
+
+TEST(JudgeAhrsTest, FindsTheTimeInWhichItIsThatOfAnotherDive) {
+    const auto partly = [](double t_s) {
+        return q_world_body(t_s, t_s > 15.0 && t_s < 35.0 ? 11.0 : 0.0);
+    };
+    const AhrsJudgement judgement = judged(partly);
+    EXPECT_EQ(judgement.fault, AhrsFault::None);
+    ASSERT_FALSE(judgement.wrong_times.empty());
+    double wrong_s = 0.0;
+    for (const types::TimeInterval& time : judgement.wrong_times) {
+        EXPECT_GT(1e-9 * static_cast<double>(time.to_ns), 15.0);
+        EXPECT_LT(1e-9 * static_cast<double>(time.from_ns), 35.0);
+        wrong_s += 1e-9 * static_cast<double>(time.to_ns - time.from_ns);
+    }
+    EXPECT_GT(wrong_s, 12.0);
+    EXPECT_LT(wrong_s, 34.0);
 }
 
 TEST(JudgeAhrsTest, NamesTheInverse) {

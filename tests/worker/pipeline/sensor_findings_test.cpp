@@ -46,6 +46,15 @@ TEST(SensorFindingsTest, AnImuLeftOutForATimeIsExplainedWithoutAJudgement) {
     EXPECT_EQ(findings[0].message.find("mismatch"), std::string::npos);
 }
 
+TEST(SensorFindingsTest, AnAhrsIsLeftOutForATime) {
+    imu::SensorPlan plan;
+    plan.left_out.ahrs_times = {{0, 4'000'000'000}, {9'000'000'000, 12'000'000'000}};
+    const auto findings = sensor_findings(plan);
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].code, "ahrs_left_out_for_a_time");
+    EXPECT_NE(findings[0].message.find("for 7 s"), std::string::npos);
+}
+
 TEST(SensorFindingsTest, NamesWhatIsWrongWithTheAhrs) {
     imu::SensorPlan plan;
     plan.left_out.ahrs = true;
