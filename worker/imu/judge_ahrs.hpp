@@ -24,7 +24,8 @@ struct AhrsJudgement {
 
 // Compares the rotations of the AHRS with those of vision over the whole dive, in parts of 40
 // spans, as judge_gyroscope() does. It contradicts vision if it does in more than half of the parts
-// in which the rig turns. If it does not, the times in which it does are told as wrong_times() tells a gyroscope's.
+// in which the rig turns. If it does not, the times in which it does are told as wrong_times()
+// tells a gyroscope's.
 AhrsJudgement judge_ahrs(const std::vector<types::OrientationSample>& orientations,
                          const std::vector<TurnSpan>& spans);
 
