@@ -60,7 +60,7 @@ TEST(ScaleSourcesTest, ACheckIsJudgedByItsOwnSigma) {
     dive.path.vertical_scale_sigma = 0.2;
     EXPECT_TRUE(dive.sources().told.empty());
     EXPECT_TRUE(left_out(dive.sources(), "scale.pressure", "20.2 %"));
-    dive.path.vertical_scale_sigma = 0.05;
+    dive.path.vertical_scale_sigma = 0.04;
     EXPECT_EQ(dive.sources().told.size(), 1U);
     types::LoopStatistics loops;
     loops.num_accepted = 1;
