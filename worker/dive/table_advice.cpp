@@ -7,7 +7,7 @@
 namespace divemesh::dive {
 namespace {
 
-constexpr double kSmallestTimestamp_ns = 1e9;  // one second; a count of rows stays below
+constexpr double kMinTimestamp_ns = 1e9;  // one second; a count of rows stays below
 
 // Returns the first line that begins with a digit or has more than one field: no comment or
 // heading.
@@ -48,7 +48,7 @@ TableAdvice advise_on_table(std::string_view text, std::size_t num_values) {
                     "decimals."};
     const auto first = parse_double(field(line, 0));
     const auto second = parse_double(field(line, 1));
-    if (first && *first < kSmallestTimestamp_ns && second && *second >= kSmallestTimestamp_ns)
+    if (first && *first < kMinTimestamp_ns && second && *second >= kMinTimestamp_ns)
         return {"its first column counts the rows and the second is the timestamp",
                 "Remove the first column (pandas: to_csv(..., index=False))."};
     if (first && field(line, 0).find('.') != std::string_view::npos)
