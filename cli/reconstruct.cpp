@@ -126,12 +126,12 @@ void add_reconstruct(CLI::App& app, Context& context) {
                          options,
                          "--voxel-m",
                          "voxel_m",
-                         "edge of all voxels, m; 0: place by place, from rig and range");
+                         "edge of all voxels, m; 0: chosen locally from rig and range");
     add_override<double>(*command,
                          options,
                          "--max-sigma",
                          "max_sigma_m",
-                         "cut surface whose standard deviation is larger, m; 0: no limit");
+                         "remove surface whose standard deviation is larger, m; 0: no limit");
     add_override<double>(
         *command, options, "--simplify", "simplify", "share of the triangles to keep, 0 to 1");
     command->add_flag("--no-texture", options->no_texture, "leave out the mosaic");

@@ -198,7 +198,7 @@ void add_upload_options(CLI::App& command, SensorOptions& options) {
     command.add_flag("--upload", options.upload, "upload each dive after it has ended");
     command.add_option("--upload-token-file",
                        options.upload_token_file,
-                       "file with a token of scope dives:write (the sensor's token has not)");
+                       "file with a token of scope dives:write (the sensor's own token lacks it)");
     command.add_option("--upload-job", options.upload_job, "preset to reconstruct the dive with");
     command
         .add_option("--stay",

@@ -42,19 +42,19 @@ void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& 
     command.add_option("--markers", options.num_markers, "number of AprilTags on the ground along the path (writes markers.json)")->capture_default_str();
     command.add_option("--marker-family", words.marker_family, "tag36h11, tag25h9 or tagStandard41h12")->capture_default_str();
     command.add_option("--marker-size-m", options.marker_size_m, "printed size of the tags")->capture_default_str();
-    command.add_option("--speed", options.speed, "of the diver, times the usual")->capture_default_str();
-    command.add_option("--sway", options.sway, "of the diver, times the usual; 0: an even glide")->capture_default_str();
+    command.add_option("--speed", options.speed, "speed of the diver as a multiple of the default")->capture_default_str();
+    command.add_option("--sway", options.sway, "sway of the diver as a multiple of the default; 0: a steady glide")->capture_default_str();
     command.add_option("--swing", options.swing_deg_s, "highest rate of a swing to both sides, degrees per second")->capture_default_str();
-    command.add_option("--pauses", words.pauses, "stretches at rest, each as where it begins on the path (0 to 1) and its seconds: 0:10,0.5:5");
-    command.add_option("--blue-water", words.blue_water, "stretches in which only water is seen, each as where it begins in the dive (0 to 1) and its seconds: 0.4:6");
-    command.add_option("--light", options.light, "times the usual")->capture_default_str();
-    command.add_option("--turbidity", options.turbidity, "times that of the water")->capture_default_str();
-    command.add_option("--texture-contrast", options.texture_contrast, "1: as natural, 0: each surface in one tone")->capture_default_str();
-    command.add_option("--snow-density", options.snow_density, "times that of the water")->capture_default_str();
-    command.add_option("--fish-density", options.fish_density, "times one fish for every four seconds")->capture_default_str();
-    command.add_option("--stereo-offset", options.stereo_offset_ms, "milliseconds by which the right camera is late without its stamps saying so")->capture_default_str();
-    command.add_option("--calibration-error", options.calibration_error, "errors of the calibration, drawn by seed, times those of a typical one")->capture_default_str();
-    command.add_option("--vertical-misalignment", options.vertical_misalignment_px, "pixels by which the pair is out of line and the calibration does not say so")->capture_default_str();
+    command.add_option("--pauses", words.pauses, "periods at rest: for each, where on the path it begins (0 to 1) and its duration in s: 0:10,0.5:5");
+    command.add_option("--blue-water", words.blue_water, "periods in which only water is seen: for each, where in the dive it begins (0 to 1) and its duration in s: 0.4:6");
+    command.add_option("--light", options.light, "light as a multiple of the default; less light gives more noise")->capture_default_str();
+    command.add_option("--turbidity", options.turbidity, "turbidity as a multiple of that of --water")->capture_default_str();
+    command.add_option("--texture-contrast", options.texture_contrast, "contrast of the materials: 1: natural, 0: each surface has one tone")->capture_default_str();
+    command.add_option("--snow-density", options.snow_density, "density of the marine snow as a multiple of that of --water")->capture_default_str();
+    command.add_option("--fish-density", options.fish_density, "density of the fish as a multiple of the default, one for every four seconds")->capture_default_str();
+    command.add_option("--stereo-offset", options.stereo_offset_ms, "delay of the right camera in ms that its timestamps do not show")->capture_default_str();
+    command.add_option("--calibration-error", options.calibration_error, "errors of the calibration, drawn by seed, as a multiple of typical ones")->capture_default_str();
+    command.add_option("--vertical-misalignment", options.vertical_misalignment_px, "vertical misalignment of the pair in pixels that the calibration does not show")->capture_default_str();
     command.add_option("--threads", options.num_threads, "0: all cores; the result does not depend on it")->capture_default_str();
     // clang-format on
 }

@@ -1,6 +1,6 @@
 #!/bin/bash
 # Installs, builds, and shows the whole way: a dive goes in over the network, a worker reconstructs
-# it, the artifacts come back, the figures are printed.
+# it, the artifacts come back, the metrics are printed.
 #   deploy/demo.sh [--keep] [--preset NAME] [DIVE]
 # DIVE: a folder or archive of your own; without it a dive along a sunken barge is rendered.
 # --keep leaves the server up and prints its address.

@@ -25,6 +25,8 @@ public:
 
     int get() const { return number_; }
     bool is_open() const { return number_ >= 0; }
+    // Gives the number to the caller, who closes it.
+    int release() { return std::exchange(number_, -1); }
     // Closes it now. Returns false with errno if the system could not write the remaining bytes.
     bool close() { return !is_open() || ::close(std::exchange(number_, -1)) == 0; }
 

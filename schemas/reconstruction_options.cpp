@@ -13,6 +13,7 @@ namespace {
 template <typename Options, typename Visit>
 void for_each_option(Options& options, Visit&& visit) {
     // clang-format off
+    visit("align_cameras", options.align_cameras, "estimate the right camera's pose relative to the left one from the images, and use it where it differs from the calibration");
     visit("stereo", options.stereo, "stereo matcher: block (sum of absolute differences, the paper), sgm or opencv_sgbm");
     visit("num_disparities_px", options.num_disparities_px, "disparity search range, a multiple of 16");
     visit("stereo_scales", options.stereo_scales, "image sizes at which sgm matches: 1 the full size, 2 also half of it (weak texture, haze)");
@@ -21,29 +22,28 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("use_imu", options.use_imu, "use the IMU if the dive has one");
     visit("use_ahrs", options.use_ahrs, "use the absolute orientation if the dive has it");
     visit("use_pressure", options.use_pressure, "use the depth from the pressure sensor if the dive has it");
-    visit("adjust_whole_dive", options.adjust_whole_dive, "run bundle adjustment over the whole dive (window estimator)");
+    visit("align_imu", options.align_imu, "estimate time offset and rotation between IMU and cameras (window estimator)");
     visit("close_loops", options.close_loops, "recognise revisited places and use them in the bundle adjustment");
     visit("surface", options.surface, "make the cloud, the mesh and what depends on them; false: only the trajectory");
-    visit("align_imu", options.align_imu, "estimate time offset and rotation between IMU and cameras (window estimator)");
-    visit("align_cameras", options.align_cameras, "use the position of the right camera against the left one that the images tell, where it is not as calibrated");
-    visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion in the bundle adjustment (window estimator)");
-    visit("fusion", options.fusion, "octree (points, the paper) or tsdf");
     visit("map_step", options.map_step, "motion of the image between fused frames, as a share of its width; 0: only keyframes");
-    visit("voxel_m", options.voxel_m, "edge of all voxels, m; 0: place by place, from rig and range");
+    visit("seed", options.seed, "seed of the random numbers of RANSAC");
+    visit("adjust_whole_dive", options.adjust_whole_dive, "run bundle adjustment over the whole dive (window estimator)");
+    visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion in the bundle adjustment (window estimator)");
+    visit("marker_family", options.marker_family, "family of AprilTags to detect: tag36h11, tag25h9, tagStandard41h12; empty: from markers.json");
+    visit("marker_size_m", options.marker_size_m, "printed size of the tags, m, as defined in docs/markers.md; 0: from markers.json");
+    visit("correct_scale", options.correct_scale, "scale of the whole result: on (by the known distances between markers), off, or auto (where known distances, accelerometer or pressure measure it better than the cameras, or contradict them)");
+    visit("fusion", options.fusion, "octree (points, the paper) or tsdf");
+    visit("mesher", options.mesher, "surface_nets or marching_cubes");
+    visit("voxel_m", options.voxel_m, "edge of all voxels, m; 0: chosen locally from rig and range");
     visit("max_depth_m", options.max_depth_m, "max depth that is fused, m; 0: from the rig");
     visit("cloud_spacing_m", options.cloud_spacing_m, "distance between the points of the cloud, m; 0: half a voxel");
-    visit("fusion_memory_bytes", options.fusion_memory_bytes, "max memory for voxels and points, the rest goes to the scratch folder; the result does not depend on it");
-    visit("mesher", options.mesher, "surface_nets or marching_cubes");
-    visit("max_sigma_m", options.max_sigma_m, "max standard deviation of a vertex, m; vaguer surface is cut; 0: no limit");
+    visit("max_sigma_m", options.max_sigma_m, "max standard deviation of a vertex, m; less certain surface is removed; 0: no limit");
     visit("simplify", options.simplify, "share of the triangles to keep, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error at which simplification stops, m; 0: no limit");
     visit("texture", options.texture, "make the mosaic (no texture is made yet)");
-    visit("marker_family", options.marker_family, "family of AprilTags to detect: tag36h11, tag25h9, tagStandard41h12; empty: from markers.json");
-    visit("marker_size_m", options.marker_size_m, "printed size of the tags, m, as defined in docs/markers.md; 0: from markers.json");
-    visit("correct_scale", options.correct_scale, "scale of the whole result: on (by the known distances between markers), off, or auto (where markers, accelerometer or pressure contradict it)");
     visit("exports", options.exports, "files for other programs, separated by commas: kitti, euroc (trajectory), obj (mesh)");
     visit("num_threads", options.num_threads, "0: all cores; the result does not depend on it");
-    visit("seed", options.seed, "seed of the random numbers of RANSAC");
+    visit("fusion_memory_bytes", options.fusion_memory_bytes, "max memory for voxels and points, the rest goes to the scratch folder; the result does not depend on it");
     // clang-format on
 }
 

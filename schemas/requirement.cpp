@@ -4,17 +4,12 @@
 #include <cmath>
 
 #include "schemas/metric.hpp"
+#include "schemas/trimmed.hpp"
 
 namespace divemesh {
 namespace {
 
 constexpr std::size_t kMaxLength = 500;
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t") - first + 1);
-}
 
 [[noreturn]] void refuse(std::string_view text, const std::string& why) {
     throw Error(ErrorCode::InvalidArgument,

@@ -23,7 +23,7 @@ constexpr std::size_t kMaxDetailBytes = 256;
 constexpr std::size_t kMaxCameraBytes = 16;
 constexpr std::int64_t kMinImageBytes = 1024;
 constexpr std::int64_t kMaxImageBytes = 256 << 10;
-constexpr std::int64_t kLatest_ms = std::int64_t{1} << 53;
+constexpr std::int64_t kMaxTime_ms = std::int64_t{1} << 53;
 
 bool is_whole(const json& value, std::int64_t min, std::int64_t max) {
     return value.is_number_unsigned() &&
@@ -56,7 +56,7 @@ constexpr Argument kArguments[] = {
     {"set_clock",
      "time_ms",
      "a time in Unix milliseconds",
-     [](const json& value) { return is_whole(value, 0, kLatest_ms); }},
+     [](const json& value) { return is_whole(value, 0, kMaxTime_ms); }},
 };
 
 const Argument* find_argument(std::string_view command, std::string_view name) {

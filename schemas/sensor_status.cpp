@@ -18,8 +18,6 @@ using nlohmann::json;
 constexpr EnumText<Summary> kSummaries[] = {
     {Summary::Ok, "ok"}, {Summary::Attention, "attention"}, {Summary::Stop, "stop"}};
 
-constexpr std::size_t kMaxErrors = 32;
-constexpr std::size_t kMaxErrorBytes = 256;
 constexpr std::int64_t kMaxDive_s = std::int64_t{7} * 86'400;
 
 // The limits from which a team should check the device, and should end the dive.
@@ -75,13 +73,13 @@ public:
         if (value == nullptr) return;
         const auto is_short = [](const json& error) {
             return error.is_string() &&
-                   error.get_ref<const std::string&>().size() <= kMaxErrorBytes;
+                   error.get_ref<const std::string&>().size() <= kMaxStatusErrorBytes;
         };
-        if (!value->is_array() || value->size() > kMaxErrors ||
+        if (!value->is_array() || value->size() > kMaxStatusErrors ||
             !std::all_of(value->begin(), value->end(), is_short))
             fail("errors",
-                 "must be an array of at most " + std::to_string(kMaxErrors) +
-                     " texts of at most " + std::to_string(kMaxErrorBytes) + " bytes each");
+                 "must be an array of at most " + std::to_string(kMaxStatusErrors) +
+                     " texts of at most " + std::to_string(kMaxStatusErrorBytes) + " bytes each");
     }
     void orientation() {
         const json* value = find("orientation");

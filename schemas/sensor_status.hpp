@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -37,6 +38,10 @@ inline constexpr std::array<StatusField, 14> kStatusFields = {{
     {"link_bytes_per_s", false, 0.0, 1e12},
     {"clock_offset_ms", false, -1e15, 1e15},
 }};
+
+// Limits of a status's "errors".
+inline constexpr std::size_t kMaxStatusErrors = 32;
+inline constexpr std::size_t kMaxStatusErrorBytes = 256;
 
 const StatusField* find_status_field(std::string_view name);  // null: unknown field
 

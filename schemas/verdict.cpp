@@ -25,6 +25,7 @@ constexpr Row kRows[] = {
     {"dive_in_segments",            "path"},
     {"drift_may_be_large",          "path"},
     {"loops_not_taken",             "path"},
+    {"loops_not_converged",         "path"},
     {"solver_failed",               "path"},
     {"adjustment_not_converged",    "path"},
     {"adjustment_not_taken",        "path"},

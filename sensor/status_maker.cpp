@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "schemas/sensor_status.hpp"
 #include "worker/dive/entry_name.hpp"
 
 namespace divemesh::sensor {
@@ -9,9 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr std::size_t kMaxErrors = 32;
 constexpr std::size_t kMaxDiveBytes = 64;
-constexpr std::size_t kMaxErrorBytes = 256;
 
 template <typename Value>
 void set(json& status, const char* name, const std::optional<Value>& value) {
@@ -30,7 +29,8 @@ void set_errors(const StatusParts& parts, json& status) {
     json errors = json::array();
     for (const auto* list : {&parts.errors, &parts.recording.errors})
         for (const std::string& error : *list)
-            if (errors.size() < kMaxErrors) errors.push_back(shortened(error, kMaxErrorBytes));
+            if (errors.size() < kMaxStatusErrors)
+                errors.push_back(shortened(error, kMaxStatusErrorBytes));
     status["errors"] = errors;
 }
 

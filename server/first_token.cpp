@@ -7,6 +7,7 @@
 
 #include "api/audit.hpp"
 #include "schemas/error.hpp"
+#include "schemas/file_descriptor.hpp"
 #include "storage/token_store.hpp"
 
 namespace divemesh::server {
@@ -15,17 +16,15 @@ namespace {
 void write_secret(const std::filesystem::path& file, const std::string& secret) {
     const std::filesystem::path part = file.string() + ".part";
     unlink(part.c_str());
-    const int descriptor = open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
     const std::string line = secret + "\n";
-    bool ok = descriptor >= 0 &&
-              write(descriptor, line.data(), line.size()) == static_cast<ssize_t>(line.size()) &&
-              fsync(descriptor) == 0;
+    FileDescriptor opened(open(part.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    if (opened.is_open() &&
+        write(opened.get(), line.data(), line.size()) == static_cast<ssize_t>(line.size()) &&
+        fsync(opened.get()) == 0 && opened.close() && rename(part.c_str(), file.c_str()) == 0)
+        return;
     const int failure = errno;
-    if (descriptor >= 0) close(descriptor);
-    if (!ok || rename(part.c_str(), file.c_str()) != 0)
-        throw Error(ErrorCode::Unavailable,
-                    "cannot write the first token to " + file.string() + ": " +
-                        std::strerror(ok ? errno : failure));
+    throw Error(ErrorCode::Unavailable,
+                "cannot write the first token to " + file.string() + ": " + std::strerror(failure));
 }
 
 }  // namespace

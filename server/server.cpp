@@ -272,7 +272,7 @@ asio::awaitable<void> Server::Implementation::make_pending_dives() {
         auto work = [this, &pending]() -> asio::awaitable<void> {
             pending = co_await api::make_pending_dives(context().services);
         };
-        co_await attempt("owed_dives_failed", std::move(work));
+        co_await attempt("pending_dives_failed", std::move(work));
         if (pending == api::PendingDives::Made) pause = config.timeouts.pending_dives;
         if (pending == api::PendingDives::Failed)
             pause = std::min(2 * pause, kMaxPendingDivesPause);

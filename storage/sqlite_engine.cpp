@@ -4,9 +4,9 @@
 #include <filesystem>
 #include <soci/sqlite3/soci-sqlite3.h>
 #include <thread>
-#include <unistd.h>
 
 #include "schemas/error.hpp"
+#include "schemas/file_descriptor.hpp"
 #include "storage/engine.hpp"
 
 namespace divemesh::storage {
@@ -97,11 +97,10 @@ private:
         std::error_code failure;
         const auto folder = std::filesystem::path(file_).parent_path();
         if (!folder.empty()) std::filesystem::create_directories(folder, failure);
-        const int file = open(file_.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0660);
-        if (file < 0 && errno != EEXIST)
+        const FileDescriptor file(open(file_.c_str(), O_CREAT | O_EXCL | O_RDWR | O_CLOEXEC, 0660));
+        if (!file.is_open() && errno != EEXIST)
             throw Error(ErrorCode::Unavailable,
                         "cannot create the catalog " + file_ + ": " + std::strerror(errno));
-        if (file >= 0) close(file);
     }
 
     // SQLite refuses the switch, without waiting, while another process does it.

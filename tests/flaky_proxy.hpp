@@ -5,23 +5,23 @@
 
 namespace divemesh {
 
-// What a bad link does to the connection on which the client's last of `cut_after_bytes` came.
+// What a bad link does to the connection over which the limit of `cut_after_bytes` is passed.
 enum class Cut {
     Reset,     // both sides are reset
-    HalfOpen,  // the client is reset, the server hears nothing any more: wifi that was left
-    Stall,     // nothing passes any more, and nobody is told
+    HalfOpen,  // the client is reset and the server receives nothing more, like lost Wi-Fi
+    Stall,     // both sides stay open and receive nothing more
 };
 
 struct BadLink {
     Cut cut = Cut::Reset;
-    // Counted from the cut before over all connections, for a client that opens one for each
-    // request is to be cut as well.
+    // Counts bytes of the client since the last cut, over all connections. So a client that opens a
+    // connection for each request is cut too.
     std::int64_t cut_after_bytes = std::int64_t{10} << 20;
-    int num_cuts = 1000;       // then it is a good link
-    double bytes_per_s = 0.0;  // 0: as fast as it goes
+    int num_cuts = 1000;       // after these the link is good
+    double bytes_per_s = 0.0;  // from the client; 0: without a limit
 };
 
-// A TCP proxy on a port of loopback of its own that behaves as a bad link to `target_port`.
+// A TCP proxy on a free port of loopback that behaves like a bad link to `target_port`.
 class FlakyProxy {
 public:
     FlakyProxy(int target_port, const BadLink& link);
@@ -32,7 +32,7 @@ public:
     int port() const;
     int num_cuts() const;
     int num_connections() const;
-    std::int64_t num_bytes() const;  // that the client sent, what was dropped at a cut included
+    std::int64_t num_bytes() const;  // received from the client, including those dropped at a cut
 
 private:
     struct Implementation;

@@ -5,14 +5,14 @@
 
 namespace divemesh {
 
-// The root of the source tree.
+// Returns the root of the source tree.
 std::filesystem::path source_directory();
 
-// A folder of the shared test data ("tank", "barge", "evo" ...): DIVEMESH_SHARED, default
-// ../shared. Tests skip with a clear word when it does not exist.
+// Returns a folder of the shared test data ("tank", "barge", "evo" ...) below DIVEMESH_SHARED, by
+// default ../shared. It may be missing: tests then skip and say why.
 std::filesystem::path shared_data(const std::string& name);
 
-// A file of the shared tools ("flaky_proxy.mjs"), with the same to be said of it.
+// Returns a file of the shared tools ("flaky_proxy.mjs"), which may be missing too.
 std::filesystem::path shared_tool(const std::string& name);
 
 }  // namespace divemesh

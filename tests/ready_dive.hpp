@@ -7,7 +7,7 @@
 
 namespace divemesh {
 
-// A dive that is ready, without the way through upload and worker; its id.
+// Creates a dive in state ready, without upload and worker, and returns its id.
 std::string make_ready_dive(storage::Catalog& catalog,
                             const std::string& project,
                             const std::string& archive_sha256,

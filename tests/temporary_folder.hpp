@@ -7,7 +7,7 @@
 
 namespace divemesh {
 
-// A folder of its own for one test, gone with it.
+// A temporary folder, which the destructor removes.
 class TemporaryFolder {
 public:
     TemporaryFolder() {

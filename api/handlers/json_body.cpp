@@ -110,6 +110,12 @@ nlohmann::json FieldChoice::leave(nlohmann::json whole) const {
     return chosen;
 }
 
+Response secret_response(const nlohmann::json& created) {
+    Response response = json_response(http::status::created, created);
+    response.set("Cache-Control", "no-store");
+    return response;
+}
+
 Response page_response(const Request& request,
                        nlohmann::json items,
                        const std::string& next_cursor,

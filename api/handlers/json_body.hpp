@@ -73,6 +73,9 @@ Response page_response(const Request& request,
                        const std::string& next_cursor,
                        nlohmann::json about = nlohmann::json::object());
 
+// Returns the object that was created, which holds a secret: no cache may keep it.
+Response secret_response(const nlohmann::json& created);
+
 // Returns one object, or a page of objects, with the fields that ?fields= selects.
 template <typename T>
 Response resource_response(const Request& request, const T& value) {

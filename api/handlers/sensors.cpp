@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::int64_t kMaxStepCount = 5000;
 constexpr std::size_t kMaxHistoryFields = 16;
-constexpr std::int64_t kLatest_ms = std::int64_t{1} << 52;
+constexpr std::int64_t kMaxTime_ms = std::int64_t{1} << 52;
 
 std::vector<std::string> fields_of(const Request& request) {
     std::vector<std::string> fields = split_list(query_value(request, "fields"));
@@ -41,7 +41,7 @@ storage::HistoryRequest history_request(const Request& request) {
     wanted.sensor = request.parameter("sensor_id");
     if (request.query.contains("to")) wanted.to_ms = time_value(request, "to", 0);
     if (request.query.contains("from")) wanted.from_ms = time_value(request, "from", 0);
-    if (wanted.to_ms.value_or(0) > kLatest_ms || wanted.from_ms.value_or(0) > kLatest_ms ||
+    if (wanted.to_ms.value_or(0) > kMaxTime_ms || wanted.from_ms.value_or(0) > kMaxTime_ms ||
         (wanted.from_ms && wanted.to_ms && *wanted.from_ms >= *wanted.to_ms))
         throw InvalidInput({{"\"from\" must be before \"to\"", "", "from"}});
     wanted.fields = fields_of(request);

@@ -33,12 +33,6 @@ std::string one_shot_path(const Request& request) {
     return path;
 }
 
-Response secret_response(const nlohmann::json& body) {
-    Response response = json_response(http::status::created, body);
-    response.set("Cache-Control", "no-store");
-    return response;
-}
-
 }  // namespace
 
 Awaitable<Response> list_tokens(Request request, Services services) {

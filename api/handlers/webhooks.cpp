@@ -69,9 +69,7 @@ Awaitable<Response> create_webhook(Request request, Services services) {
     };
     nlohmann::json body = co_await in_pool(services.pool, std::move(work));
     body["secret"] = secret;
-    Response response = json_response(http::status::created, body);
-    response.set("Cache-Control", "no-store");
-    co_return response;
+    co_return secret_response(body);
 }
 
 Awaitable<Response> delete_webhook(Request request, Services services) {

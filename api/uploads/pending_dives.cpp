@@ -63,7 +63,7 @@ Awaitable<void> make_one(Services services, std::string upload_id) {
     const auto never = std::make_shared<std::atomic<bool>>(false);
     const std::string sha256 = co_await hash_archive(services, upload, never);
     auto make = [services, upload, plan, sha256] {
-        auto catalog = audited(services.catalog, "serve", "owed dive of " + upload.id);
+        auto catalog = audited(services.catalog, "serve", "pending dive of " + upload.id);
         try {
             if (plan.truth)
                 make_truth(services, catalog, upload, plan, sha256);
@@ -100,7 +100,7 @@ Awaitable<PendingDives> make_pending_dives(Services services) {
         }
         if (failure.empty()) continue;
         has_any_failed = true;
-        log_warning({{"event", "dive_owed"}, {"upload", upload.id}, {"what", failure}});
+        log_warning({{"event", "pending_dive_failed"}, {"upload", upload.id}, {"what", failure}});
     }
     if (is_any_busy) co_return PendingDives::Busy;
     co_return has_any_failed ? PendingDives::Failed : PendingDives::Made;

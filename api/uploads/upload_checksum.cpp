@@ -1,18 +1,17 @@
 #include "api/uploads/upload_checksum.hpp"
 
-#include <boost/crc.hpp>
 #include <new>
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
 #include <stdexcept>
 
 #include "schemas/base64.hpp"
+#include "schemas/crc32c.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api {
 namespace {
 
-using Crc32c = boost::crc_optimal<32, 0x1EDC6F41, 0xFFFFFFFF, 0xFFFFFFFF, true, true>;
 constexpr std::size_t kCrcBytes = 4;
 
 const EVP_MD* digest_named(std::string_view name) {

@@ -5,6 +5,7 @@
 #include "schemas/base64.hpp"
 #include "schemas/error.hpp"
 #include "schemas/reconstruction_options.hpp"
+#include "schemas/trimmed.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -19,12 +20,6 @@ std::string from_base64(std::string_view text) {
     auto bytes = decode_base64(text);
     if (!bytes) refuse("a value is not base64");
     return std::move(*bytes);
-}
-
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t") - first + 1);
 }
 
 // Returns a readable name: no folders, no control characters, cut between characters of UTF-8.

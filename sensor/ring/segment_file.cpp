@@ -7,8 +7,8 @@
 #include <sys/stat.h>
 #include <system_error>
 
+#include "schemas/crc32c.hpp"
 #include "schemas/error.hpp"
-#include "sensor/ring/crc32c.hpp"
 
 namespace divemesh::sensor {
 namespace {
@@ -90,9 +90,9 @@ std::optional<FoundRecord> find_record(int descriptor, std::int64_t offset) {
 }  // namespace
 
 SegmentFile SegmentFile::create(const std::filesystem::path& path) {
-    const int descriptor = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    if (descriptor < 0) fail(path, "create", errno);
-    SegmentFile file(path, descriptor);
+    FileDescriptor created(::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
+    if (!created.is_open()) fail(path, "create", errno);
+    SegmentFile file(path, std::move(created));
     try {
         file.write_at(0, kMagic);
     } catch (const Error&) {
@@ -104,10 +104,12 @@ SegmentFile SegmentFile::create(const std::filesystem::path& path) {
 }
 
 SegmentFile SegmentFile::open(const std::filesystem::path& path, const OnRecord& on_record) {
-    int descriptor = ::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW);
-    if (descriptor < 0) descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-    if (descriptor < 0) fail(path, "open", errno);
-    SegmentFile file(path, descriptor);
+    FileDescriptor opened(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
+    if (!opened.is_open())
+        opened = FileDescriptor(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW));
+    if (!opened.is_open()) fail(path, "open", errno);
+    SegmentFile file(path, std::move(opened));
+    const int descriptor = file.descriptor_.get();
     file.size_bytes_ = static_cast<std::int64_t>(kMagic.size());
     file.is_damaged_ = read_at(descriptor, 0, kMagic.size()) != kMagic;
     while (const auto record = find_record(descriptor, file.size_bytes_)) {

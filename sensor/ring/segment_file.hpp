@@ -41,8 +41,8 @@ public:
     const std::filesystem::path& path() const { return path_; }
 
 private:
-    SegmentFile(std::filesystem::path path, int descriptor)
-        : path_(std::move(path)), descriptor_(descriptor) {}
+    SegmentFile(std::filesystem::path path, FileDescriptor descriptor)
+        : path_(std::move(path)), descriptor_(std::move(descriptor)) {}
     void write_at(std::int64_t offset, std::string_view bytes) const;
 
     std::filesystem::path path_;

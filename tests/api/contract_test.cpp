@@ -2,6 +2,7 @@
 
 #include <nlohmann/json.hpp>
 #include <set>
+#include <stdexcept>
 #include <yaml-cpp/yaml.h>
 
 #include "api/openapi_document.hpp"
@@ -34,6 +35,18 @@ std::set<std::string> words_of(const Range& values) {
     std::set<std::string> words;
     for (const auto& value : values) words.insert(std::string(to_string(value)));
     return words;
+}
+
+// Returns the words of an enum that counts up from 0: to_string() throws past the last value.
+template <typename Enum>
+std::set<std::string> words_of_enum() {
+    std::set<std::string> words;
+    try {
+        for (int value = 0;; ++value)
+            words.insert(std::string(to_string(static_cast<Enum>(value))));
+    } catch (const std::logic_error&) {
+        return words;
+    }
 }
 
 TEST(ContractTest, DocumentsExactlyTheRoutesThatAreServed) {
@@ -99,10 +112,10 @@ TEST(ContractTest, ListsTheWordsThatOurTypesKnow) {
               std::set<std::string>(kWebhookTopics.begin(), kWebhookTopics.end()));
     EXPECT_EQ(words("Scope"), std::set<std::string>(kScopes.begin(), kScopes.end()));
     EXPECT_EQ(words("Preset"), std::set<std::string>(std::begin(kPresets), std::end(kPresets)));
-    for (const auto& word : words("AttemptState")) EXPECT_NO_THROW(attempt_state_from_string(word));
-    for (const auto& word : words("JobKind")) EXPECT_NO_THROW(job_kind_from_string(word));
-    for (const auto& word : words("DiveState")) EXPECT_NO_THROW(dive_state_from_string(word));
-    for (const auto& word : words("ErrorCode")) EXPECT_NO_THROW(error_code_from_string(word));
+    EXPECT_EQ(words("AttemptState"), words_of_enum<AttemptState>());
+    EXPECT_EQ(words("JobKind"), words_of_enum<JobKind>());
+    EXPECT_EQ(words("DiveState"), words_of_enum<DiveState>());
+    EXPECT_EQ(words("ErrorCode"), words_of_enum<ErrorCode>());
 }
 
 TEST(ContractTest, EveryReferenceLeadsSomewhere) {

@@ -28,7 +28,7 @@ TEST(RateLimiterTest, RemembersABoundedNumberOfKeys) {
     EXPECT_TRUE(limiter.allow("another", start + 2s));
 }
 
-TEST(RateLimiterTest, ARateOfNothingLimitsNothing) {
+TEST(RateLimiterTest, ARateOfZeroLimitsNothing) {
     RateLimiter limiter(0.0, 0.0);
     for (int i = 0; i < 100; ++i) EXPECT_TRUE(limiter.allow("x"));
 }

@@ -1,5 +1,7 @@
 # The layers, lowest first, for the scripts beside this file. A folder may include itself and the
 # folders named for it. Nothing else.
+get_filename_component(SOURCE_DIRECTORY ${SOURCE_DIRECTORY} ABSOLUTE BASE_DIR ${CMAKE_CURRENT_BINARY_DIR})
+
 set(top_folders schemas storage worker api server sensor cli)
 set(schemas_may_use "")
 set(storage_may_use schemas)

@@ -2,7 +2,7 @@
 //
 //     alter_dive DIVE OUT [--time-offset-ms 8] [--rotation-deg 0.6,-0.5,0.6] [--k1-scale 1.1]
 //
-// Pictures are hard links where the file system allows. The time offset moves the stamps of imu0
+// Images are hard links where the file system allows. The time offset moves the stamps of imu0
 // and ahrs0 (t_imu = t_cam + offset), the rotation turns T_BS of both cameras about the body's
 // origin, the scale goes to k1 of both cameras.
 
@@ -127,13 +127,17 @@ int main(int argc, char** argv) {
     fs::path out;
     Errors errors;
     CLI::App app{"Writes a dive with errors put into its calibration."};
-    app.add_option("dive", dive, "a folder with mav0 in it")->required();
-    app.add_option("out", out, "a folder that is not there yet")->required();
-    app.add_option("--time-offset-ms", errors.time_offset_ms, "t_imu = t_cam + offset");
-    app.add_option("--rotation-deg", errors.rotation_deg, "of the cameras in the body")
+    app.add_option("dive", dive, "folder with mav0/")->required();
+    app.add_option("out", out, "folder to write; must not exist")->required();
+    app.add_option("--time-offset-ms",
+                   errors.time_offset_ms,
+                   "offset added to the IMU's timestamps: t_imu = t_cam + offset");
+    app.add_option("--rotation-deg",
+                   errors.rotation_deg,
+                   "error of the cameras' orientation in the body frame")
         ->delimiter(',')
         ->expected(3);
-    app.add_option("--k1-scale", errors.k1_scale, "of both cameras");
+    app.add_option("--k1-scale", errors.k1_scale, "factor on k1 of both cameras");
     CLI11_PARSE(app, argc, argv);
     try {
         if (fs::exists(out)) throw std::runtime_error(out.string() + " is already there");

@@ -50,7 +50,7 @@ bool wanted(const Names& list, const std::string& item) {
     return list.empty() || std::find(list.begin(), list.end(), item) != list.end();
 }
 
-// The median of each figure over the documents that have it.
+// The median of each metric over the documents that have it.
 json median_metrics(const std::vector<json>& documents) {
     json named_values = json::object();
     for (const Metric& metric : all_metrics()) {
@@ -296,30 +296,29 @@ Names names_of(const Items& items) {
 int main(int argc, char** argv) {
     using namespace divemesh;
     bench::Options options;
-    CLI::App app{"Reconstructs dives and prints the figures as one JSON."};
+    CLI::App app{"Reconstructs dives and prints the metrics as one JSON document."};
     const auto choose =
         [&](const char* flag, auto& list, const bench::Names& known, const char* text) {
             app.add_option(flag, list, text)->delimiter(',')->check(CLI::IsMember(known));
         };
-    choose("--only", options.only, bench::kGroups, "groups of runs; default: all");
+    choose("--only", options.only, bench::kGroups, "groups of runs to do; default: all");
     bench::Names dives = bench::names_of(bench::all_dives());
     dives.push_back(bench::kStereoPairs);
-    choose("--dive", options.dives, dives, "default: all");
-    choose("--preset", options.presets, bench::all_presets(), "default: all");
+    choose("--dive", options.dives, dives, "dives to run; default: all");
+    choose("--preset", options.presets, bench::all_presets(), "presets to run; default: all");
     choose("--ablation",
            options.ablations,
            bench::names_of(bench::all_ablations()),
-           "of the group trajectory; none: the preset as it is; default: all");
-    app.add_option("--repeat", options.num_repeats, "runs that measure speed; the median counts")
+           "ablations of the group trajectory; none: the unchanged preset; default: all");
+    app.add_option(
+           "--repeat", options.num_repeats, "number of runs that measure speed; takes their median")
         ->check(CLI::Range(1, 100));
-    app.add_flag("--require", options.require, "exit 3 when a goal is not met");
-    app.add_option("--program", options.program, "the divemesh to run")->required();
-    app.add_option("--cache", options.cache, "folder of the rendered dives")
-        ->required()
-        ->take_last();
+    app.add_flag("--require", options.require, "exit with 3 if a goal is not met");
+    app.add_option("--program", options.program, "path of the divemesh program")->required();
+    app.add_option("--cache", options.cache, "folder for rendered dives")->required()->take_last();
     app.add_option("--keep",
                    options.keep,
-                   "leave the results in this folder; runs whose result is there are not repeated");
+                   "folder for results; runs that have a result there are not repeated");
     CLI11_PARSE(app, argc, argv);
 
     const TemporaryFolder temporary;

@@ -1,4 +1,4 @@
-// Writes a copy of a dive folder in which the pictures of some seconds are blank, as in a cloud of
+// Writes a copy of a dive folder in which the images of some seconds are blank, as in a cloud of
 // silt: linked to the dive where the file system lets it, copied elsewhere.
 //     divemesh_blank_dive DIVE OUT --from-s 30 --for-s 3
 
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 struct Options {
     fs::path dive;
     fs::path out;
-    double from_s = 30.0;  // after the first picture
+    double from_s = 30.0;  // after the first image
     double for_s = 3.0;
 };
 
@@ -95,14 +95,15 @@ int write_blank_dive(const Options& options) {
 int main(int argc, char** argv) {
     using namespace divemesh;
     bench::Options options;
-    CLI::App app{"Copies a dive and takes its sight away for some seconds."};
+    CLI::App app{"Copies a dive and makes its images blank for some seconds."};
     app.add_option("dive", options.dive, "folder with mav0/")->required();
-    app.add_option("out", options.out, "folder to write, made when missing")->required();
-    app.add_option("--from-s", options.from_s, "when it begins, after the first picture");
-    app.add_option("--for-s", options.for_s, "how long it lasts");
+    app.add_option("out", options.out, "folder to write; created if missing")->required();
+    app.add_option(
+        "--from-s", options.from_s, "start of the blank images, s after the first image");
+    app.add_option("--for-s", options.for_s, "length of the blank time, s");
     CLI11_PARSE(app, argc, argv);
     try {
-        std::cout << bench::write_blank_dive(options) << " blank pictures\n";
+        std::cout << bench::write_blank_dive(options) << " blank images\n";
     } catch (const std::exception& error) {
         std::cerr << error.what() << "\n";
         return 1;

@@ -1,5 +1,5 @@
 // How often what reconstructions state about their own accuracy comes true, over dives whose truth
-// is known. Prints one JSON, and with --plot writes stated against observed as a picture.
+// is known. Prints one JSON, and with --plot writes stated against observed as a plot.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -242,21 +242,20 @@ int main(int argc, char** argv) {
     using namespace divemesh;
     bench::Options options;
     int first_seed = 31, num_seeds = 5;
-    CLI::App app{"How often stated bounds hold, as one JSON."};
-    app.add_option("--program", options.program, "the divemesh to run")->required();
-    app.add_option("--cache", options.cache, "folder of the rendered dives")
-        ->required()
-        ->take_last();
-    app.add_option(
-        "--first-seed", first_seed, "of the simulated dives, three scenes and a loop each");
-    app.add_option("--seeds", num_seeds, "how many")->check(CLI::Range(0, 1000));
+    CLI::App app{"Measures how often stated bounds hold and prints one JSON document."};
+    app.add_option("--program", options.program, "path of the divemesh program")->required();
+    app.add_option("--cache", options.cache, "folder for rendered dives")->required()->take_last();
+    app.add_option("--first-seed",
+                   first_seed,
+                   "first seed of the simulated dives; each seed gives three scenes and a loop");
+    app.add_option("--seeds", num_seeds, "number of seeds")->check(CLI::Range(0, 1000));
     app.add_flag("!--no-shared", options.shared, "leave out the shared dives");
     app.add_option(
         "--keep",
         options.keep,
         "leave results and reconstructions in this folder; dives whose result is there are not "
         "repeated");
-    app.add_option("--plot", options.plot, "SVG of stated against observed");
+    app.add_option("--plot", options.plot, "write an SVG of observed against stated coverage");
     CLI11_PARSE(app, argc, argv);
 
     for (int i = 0; i < num_seeds; ++i) options.seeds.push_back(first_seed + i);

@@ -133,13 +133,15 @@ json measure_refusal(const Options& options) {
 
 int main(int argc, char** argv) {
     Options options;
-    CLI::App app{"Compares models of places whose change is known and prints one JSON."};
-    app.add_option("--vertices", options.vertices, "of the models that are compared")
+    CLI::App app{"Compares models of places with known change and prints one JSON document."};
+    app.add_option("--vertices", options.vertices, "number of vertices of each compared model")
         ->delimiter(',');
-    app.add_option("--refused-vertices", options.refused_vertices, "of two places apart; 0: none");
+    app.add_option("--refused-vertices",
+                   options.refused_vertices,
+                   "number of vertices of models of two different places; 0: skips them");
     app.add_option("--threads", options.num_threads)->capture_default_str();
-    app.add_option("--program", options.program, "the divemesh to run")->required();
-    app.add_option("--cache", options.cache, "folder of the models")->required()->take_last();
+    app.add_option("--program", options.program, "path of the divemesh program")->required();
+    app.add_option("--cache", options.cache, "folder for models")->required()->take_last();
     CLI11_PARSE(app, argc, argv);
     options.maker = fs::canonical("/proc/self/exe").replace_filename("divemesh_compared_model");
     fs::create_directories(options.cache);

@@ -34,11 +34,14 @@ int main(int argc, char** argv) {
     unsigned seed = 1;
     std::size_t num_vertices = 1'000'000;
     int year = 1;
-    CLI::App app{"Writes a model to compare and prints what changes there."};
-    app.add_option("--out", out, "folder")->required();
-    app.add_option("--seed", seed, "another place each")->capture_default_str();
-    app.add_option("--vertices", num_vertices, "about as many; 5 mm apart")->capture_default_str();
-    app.add_option("--year", year, "1 or 2")->check(CLI::Range(1, 2))->capture_default_str();
+    CLI::App app{"Writes a model to compare and prints its known change."};
+    app.add_option("--out", out, "folder to write")->required();
+    app.add_option("--seed", seed, "seed of the place")->capture_default_str();
+    app.add_option("--vertices", num_vertices, "approximate number of vertices, 5 mm apart")
+        ->capture_default_str();
+    app.add_option("--year", year, "year of the survey, 1 or 2")
+        ->check(CLI::Range(1, 2))
+        ->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     const divemesh::bench::ComparedPlace place(seed, num_vertices);
     const divemesh::types::Mesh mesh = place.model(year);

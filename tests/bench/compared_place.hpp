@@ -9,15 +9,16 @@
 
 namespace divemesh::bench {
 
-// Ground four times as long as wide with round colonies on it, of which some are gone, new or
-// higher in year 2: what there is to compare for models of any size, with the truth known.
+// Ground four times as long as wide with round colonies. Some of them are gone, new or higher in
+// the second year. It gives models of any size to compare, with known change.
 class ComparedPlace {
 public:
     ComparedPlace(unsigned seed, std::size_t num_vertices);
 
-    // As a dive of that year would have it: vertices 5 mm apart, its own noise and frame.
+    // Returns the model that a dive of that year would give: vertices 5 mm apart, with noise and a
+    // frame of that year.
     types::Mesh model(int year) const;
-    // Places to look down from, in the frame of that year's model, row after row.
+    // Returns camera positions above the ground, in the frame of that year's model, row after row.
     std::vector<Eigen::Vector3d> eyes(int year) const;
     double heading_rad(int year) const { return year == 1 ? 0.0 : 0.3; }
 

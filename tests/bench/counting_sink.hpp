@@ -5,8 +5,8 @@
 
 namespace divemesh::bench {
 
-// An HTTP server that counts the bytes of a body and forgets them: what the network and the client
-// leave room for. One connection at a time, on a port of its own.
+// An HTTP server that counts and discards the bytes of a body: the upper limit of the rate that
+// network and client allow. It serves one connection at a time, on a free port.
 class CountingSink {
 public:
     CountingSink();

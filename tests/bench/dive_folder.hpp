@@ -7,14 +7,15 @@
 
 namespace divemesh::bench {
 
-// Where a dive lies: the shared data, or the cache, into which a simulated one is rendered once.
-// Nothing when the shared data do not hold it or it could not be rendered; stderr says which.
+// Returns the folder of a dive: in the shared data, or in the cache, where a simulated dive is
+// rendered once. Returns nullopt, and says why on stderr, if the shared data lack the dive or
+// rendering fails.
 std::optional<std::filesystem::path> dive_folder(const Dive& dive,
                                                  const std::filesystem::path& program,
                                                  const std::filesystem::path& cache);
 
-// A dive as divers bring it: a copy in `folder` of all but ground truth, reference mesh and known
-// lengths. A reader follows no link out of a dive, so it has to be one.
+// Copies a dive to `folder` without ground truth, reference mesh and known lengths, like a diver's
+// recording. Copies the bytes, because a reader follows no link out of a dive.
 void copy_without_truth(const std::filesystem::path& dive, const std::filesystem::path& folder);
 
 }  // namespace divemesh::bench

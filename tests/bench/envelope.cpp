@@ -146,23 +146,27 @@ void run(const Options& options, const fs::path& results) {
 int main(int argc, char** argv) {
     using namespace divemesh;
     bench::Options options;
-    CLI::App app{"Walks each axis along which dives get harder until it breaks, as one JSON."};
-    app.add_option("--program", options.program, "the divemesh to run")->required();
-    app.add_option("--cache", options.cache, "folder of the rendered dives")
-        ->required()
-        ->take_last();
+    CLI::App app{
+        "Makes dives harder along each axis until reconstruction fails, and prints one JSON "
+        "document."};
+    app.add_option("--program", options.program, "path of the divemesh program")->required();
+    app.add_option("--cache", options.cache, "folder for rendered dives")->required()->take_last();
     app.add_flag("--quick", options.quick, "one scene, one seed, short dives");
-    app.add_flag("!--no-sift", options.sift, "leave out SIFT and PnP");
-    app.add_option("--width-px", options.width_px, "of the images, 4 to 3")
+    app.add_flag("!--no-sift", options.sift, "leave out the baseline with SIFT and PnP");
+    app.add_option("--width-px", options.width_px, "image width; images are 4:3")
         ->capture_default_str()
         ->check(CLI::Range(64, 4096));
-    app.add_option("--axis", options.axes, "only these, by name")->delimiter(',');
+    app.add_option("--axis", options.axes, "only these axes, by name")->delimiter(',');
     app.add_option("--step", options.steps, "only these steps, by label")->delimiter(',');
-    app.add_option("--scenes", options.scenes, "instead of the two usual ones")->delimiter(',');
-    app.add_option("--seeds", options.seeds, "instead of the three usual ones")->delimiter(',');
-    app.add_option("--length-m", options.length_m, "path of the dive that steps alter")
+    app.add_option("--scenes", options.scenes, "scenes instead of the two default ones")
+        ->delimiter(',');
+    app.add_option("--seeds", options.seeds, "seeds instead of the three default ones")
+        ->delimiter(',');
+    app.add_option("--length-m", options.length_m, "path length of the dives that steps alter")
         ->check(CLI::Range(1.0, 1000.0));
-    app.add_option("--keep", options.keep, "keep results in this folder, and go on from there");
+    app.add_option("--keep",
+                   options.keep,
+                   "folder for results; runs that have a result there are not repeated");
     app.add_option("--table", options.table, "write the table to this Markdown file");
     app.add_option("--plot", options.plot, "write the plot to this SVG");
     CLI11_PARSE(app, argc, argv);

@@ -4,24 +4,25 @@
 #include <string>
 #include <vector>
 
-// How a run of the envelope is judged. A run is one JSON: axis, step, scene, seed, exit_code,
-// num_frames, tracked_share, path_m, ate_m, bound_m, scale, verdict, findings (codes from warning
-// on); what was not stated is null.
+// The criteria for a run of the envelope. A run is one JSON object: axis, step, scene, seed,
+// exit_code, num_frames, tracked_share, path_m, ate_m, bound_m, scale, verdict, findings (codes of
+// warnings and errors). A value that the run did not state is null.
 namespace divemesh::bench {
 
-// A run works when at least nine of ten frames are tracked and the error is at most 0.5 % of the
-// path.
+// Returns whether a run succeeded: exit code 0, at least nine of ten frames tracked and an error of
+// at most 0.5 % of the path.
 bool works(const nlohmann::json& run);
 
-// A run is silent when its error is more than three times its stated bound (or no bound is stated
-// and it does not work) and neither verdict nor finding says that something is wrong.
+// Returns whether a run failed without saying so: its error is more than three times its stated
+// bound (or error or bound is missing and works() is false), while exit code, verdict and findings
+// report no problem.
 bool is_silent(const nlohmann::json& run);
 
-// Less than a tenth of the frames is tracked, and the exit code is 0.
+// Returns whether the exit code is 0 although less than a tenth of the frames is tracked.
 bool is_hollow_success(const nlohmann::json& run);
 
-// The steps of an ordered axis that all runs of a scene and seed pass, up to the first that one
-// fails: {last_good, first_bad}, null where there is none.
+// Returns {last_good, first_bad} of an ordered axis: the first step that any run fails, and the
+// step before it; null where there is no such step.
 nlohmann::json edge_of(const std::vector<std::string>& steps, const nlohmann::json& runs);
 
 }  // namespace divemesh::bench

@@ -5,32 +5,32 @@
 
 #include "tests/bench/dive_change.hpp"
 
-// The axes along which a dive gets harder, each by itself, and the steps on them.
+// The axes of the envelope: along each one a dive gets harder, step by step.
 namespace divemesh::bench {
 
 struct EnvelopeStep {
     std::string label;                  // value with unit, or name
-    std::vector<std::string> rendered;  // options of `simulate` beside those of the plain dive
-    std::vector<std::string> options;   // of `reconstruct`: --set NAME=VALUE
+    std::vector<std::string> rendered;  // options of `simulate`, added to those of the plain dive
+    std::vector<std::string> options;   // NAME=VALUE of `reconstruct --set`
     DiveChange change;
 };
 
 struct EnvelopeAxis {
     std::string name;
-    bool ordered = true;  // each step is harder than the one before; else kinds side by side
+    bool ordered = true;  // each step is harder than the one before; false: the steps are kinds
     std::vector<EnvelopeStep> steps;
-    std::string scene;  // of its own; "": those of the run
+    std::string scene;  // "": the scenes of the run
 };
 
 const std::vector<EnvelopeAxis>& envelope_axes();
 
-// The size of the bench: scenes, seeds and the dives that it renders.
+// The size of the bench: scenes, seeds and rendered dives.
 struct EnvelopeScale {
     std::vector<std::string> scenes;
     std::vector<int> seeds;
-    double plain_length_m = 8.0;  // of the dives that steps alter
-    double length_m = 4.0;        // of those that are rendered for a step
-    bool sift = true;             // the baseline beside it
+    double plain_length_m = 8.0;  // of the plain dives that steps alter
+    double length_m = 4.0;        // of the dives that are rendered for one step
+    bool sift = true;             // also runs the baseline with SIFT
     int width_px = 320;
     int height_px = 240;
 };

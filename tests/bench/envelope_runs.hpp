@@ -11,7 +11,7 @@
 
 namespace divemesh::bench {
 
-// One dive of the envelope: where it is, and on which step.
+// One dive of the envelope: axis, step, scene and seed.
 struct EnvelopeRun {
     const EnvelopeAxis& axis;
     const EnvelopeStep& step;
@@ -21,8 +21,8 @@ struct EnvelopeRun {
     std::string name() const;
 };
 
-// Renders, changes, reconstructs and measures dives of the envelope. Rendered dives and what SIFT
-// makes of them are kept in `cache`, results in `results` as long as the program is the same.
+// Renders, changes, reconstructs and measures dives of the envelope. Keeps rendered dives and
+// results of SIFT in `cache`, and results in `results` as long as the program is the same.
 class EnvelopeRuns {
 public:
     EnvelopeRuns(std::filesystem::path program,
@@ -30,8 +30,9 @@ public:
                  const std::filesystem::path& results,
                  EnvelopeScale scale);
 
-    // Returns what envelope_judge.hpp describes, and of SIFT and PnP, if asked, as `sift`:
-    // linked_share, ate_m, scale. Throws std::runtime_error if the dive cannot be rendered.
+    // Returns the run that envelope_judge.hpp describes. With the baseline its entry `sift` holds
+    // linked_share, ate_m and scale of SIFT and PnP. Throws std::runtime_error if the dive cannot
+    // be rendered.
     nlohmann::json measured(const EnvelopeRun& run);
 
 private:
@@ -39,7 +40,7 @@ private:
                                    double length_m,
                                    const std::vector<std::string>& words) const;
     DiveSources sources_of(const EnvelopeRun& run) const;
-    std::string size() const;  // in the names of results
+    std::string size() const;  // a part of the names of results
     nlohmann::json measure(const EnvelopeRun& run);
     nlohmann::json reconstructed(const EnvelopeRun& run,
                                  const std::filesystem::path& dive,

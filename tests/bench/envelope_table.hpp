@@ -5,8 +5,8 @@
 
 namespace divemesh::bench {
 
-// Returns the report of divemesh_envelope as Markdown: one row per step with the median over its
-// runs and the worst, one row per axis with its edge.
+// Returns the report of divemesh_envelope as Markdown: one row for each step with median and worst
+// over its runs, and one row for each axis with its edge.
 std::string envelope_table(const nlohmann::json& report);
 
 }  // namespace divemesh::bench

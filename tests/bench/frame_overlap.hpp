@@ -7,18 +7,19 @@
 
 namespace divemesh::bench {
 
-// The frames of a dive that `divemesh simulate --truth` rendered, with what each saw.
+// Measures how far images of a dive that `divemesh simulate --truth` rendered show the same
+// surface.
 class FrameOverlap {
 public:
     explicit FrameOverlap(const std::filesystem::path& dive);
     ~FrameOverlap();
 
     int num_frames() const;
-    // Returns the share of the left image of `a` whose surface is inside the left image of `b`, by
-    // exact depth and motion. What is hidden counts as seen.
+    // Returns the share of the left image of frame `a` whose surface projects into the left image
+    // of frame `b`, by true depth and pose. Occlusion is ignored.
     double between(int a, int b) const;
-    // Returns frames, the first among them, each the last one that overlaps with the one before by
-    // at least `overlap`.
+    // Returns frame indices that begin with the first frame. Each is the last frame that overlaps
+    // with the index before by at least `overlap`.
     std::vector<int> spaced_by(double overlap) const;
 
 private:

@@ -11,7 +11,7 @@ using nlohmann::json;
 
 constexpr double kSimilarLife = 0.3;
 
-// The figure of a run without ablation.
+// Returns the metric of a run without ablation; nullopt if it is missing.
 std::optional<double> find_metric(const json& runs,
                                   const std::string& group,
                                   const std::string& dive,

@@ -7,14 +7,16 @@
 
 namespace divemesh::bench {
 
+// Returns the median of at least one value.
 double median(std::vector<double> values);
 
-// A goal with what was measured: over the runs of its group without ablation. Dives that were not
-// measured (absent, failed, not asked for) leave it unmet.
+// Returns a goal with its measured value and whether it is met, from the runs of its group without
+// ablation. A dive without a result (absent, failed, not selected) leaves the goal unmet.
 nlohmann::json judge(const Goal& goal, const nlohmann::json& runs);
 
-// How long features are followed on the simulated barges, against the shared one: as hard when the
-// ratio of the medians is within 30 % of one. Null when a side was not run.
+// Compares the median track life of features on the simulated barges with that on the recorded
+// barge of the shared data. `within_30_percent` says whether their ratio is within 30 % of one.
+// Returns null if either was not run.
 nlohmann::json compare_track_life(const nlohmann::json& runs);
 
 }  // namespace divemesh::bench

@@ -12,7 +12,8 @@ struct ImagePair {
     cv::Mat right;
 };
 
-// A slanted bed of random texture, about 20 to 60 px near, with other noise in each picture.
+// Returns a pair of images of a slanted bed with random texture. Disparities are about 20 to 60 px,
+// and each image has its own noise.
 const ImagePair& slanted_bed();
 
 }  // namespace divemesh::bench

@@ -1,4 +1,4 @@
-// The inner loops beside their counterparts in OpenCV, on one thread and the same pictures:
+// The inner loops beside their counterparts in OpenCV, on one thread and the same images:
 //   build/release/tests/bench/divemesh_kernels --benchmark_format=json
 #include <benchmark/benchmark.h>
 #include <opencv2/core/utility.hpp>

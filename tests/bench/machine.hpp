@@ -4,7 +4,7 @@
 
 namespace divemesh::bench {
 
-// What figures of speed depend on: processor, cores, memory, system, date.
+// Returns what metrics of speed depend on: processor, cores, memory, operating system, date.
 nlohmann::json describe_machine();
 
 }  // namespace divemesh::bench

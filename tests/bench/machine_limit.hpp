@@ -7,8 +7,7 @@
 
 namespace divemesh::bench {
 
-// Instructions that this thread retires, from the processor's own counter; nothing where the kernel
-// or the hypervisor does not let it be read.
+// Counts the instructions that this thread retires, by the processor's counter.
 class InstructionCounter {
 public:
     InstructionCounter();
@@ -17,21 +16,23 @@ public:
     InstructionCounter& operator=(const InstructionCounter&) = delete;
 
     void start();
+    // Returns the count since start(); nullopt if kernel or hypervisor deny access to the counter.
     std::optional<std::uint64_t> stop();
 
 private:
     int file_;
 };
 
-// CPU time of this thread.
+// Returns the CPU time of this thread, s.
 double thread_cpu_s();
 
-// Byte operations (additions and minima in turn, on registers, none waiting for another) that one
-// core does in a second with the vectors of an instruction set: no kernel can do more.
+// Returns the number of byte operations per second of one core with the vectors of an instruction
+// set, measured by independent additions and minima on registers. It is the upper limit of any
+// kernel.
 double byte_operations_per_s(base::Instructions instructions);
 
-// Bytes that one core reads in a second from memory, one after the other: no pass over a map can be
-// faster.
+// Returns the number of bytes that one core reads from memory per second in sequence: the upper
+// limit of any pass over an image.
 double bytes_read_per_s();
 
 }  // namespace divemesh::bench

@@ -7,9 +7,9 @@
 
 namespace divemesh::bench {
 
-// Runs a kernel as often as the benchmark asks and adds what one run does: millions of `unit`s per
-// second, and instructions per unit where the processor lets them be counted. Returns seconds of
-// CPU per run.
+// Runs a kernel as often as the benchmark asks, where one run processes `num_units`. Adds counters
+// of millions of `unit`s per second and, where the processor allows it, of instructions per unit.
+// Returns the CPU time of one run, s.
 template <typename Run>
 double measure(benchmark::State& state, const char* unit, double num_units, Run&& run) {
     InstructionCounter counter;

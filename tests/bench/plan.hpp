@@ -5,7 +5,8 @@
 #include <string>
 #include <vector>
 
-// What is run, what is read from each metrics.json, and what a release has to reach.
+// The runs of the bench, the metrics that it reads from each metrics.json, and the goals of a
+// release.
 namespace divemesh::bench {
 
 // A dive of the shared data, or one that `divemesh simulate` renders.
@@ -18,7 +19,8 @@ struct Dive {
     std::optional<Simulated> simulated;
 };
 
-// A change of the options that tells what one part of the estimation is worth; "none": as it is.
+// A change of options that switches off one part of the estimation, to show what that part
+// contributes. "none" changes no option.
 struct Ablation {
     std::string name;
     nlohmann::json options;  // by name
@@ -31,13 +33,13 @@ struct Run {
     Ablation ablation;
 };
 
-// A figure by its place in metrics.json.
+// A metric and its JSON pointer in metrics.json.
 struct Metric {
     const char* name;
     const char* pointer;
 };
 
-// A figure over some dives that a release has to reach; the absolute value counts.
+// The value that a release has to reach for a metric over some dives. Absolute values are compared.
 struct Goal {
     enum class Over { Mean, Median, Worst };
     std::string group;
@@ -45,15 +47,15 @@ struct Goal {
     std::string preset;
     std::string metric;
     Over over = Over::Worst;
-    bool at_most = true;  // else at least
+    bool at_most = true;  // false: at least
     double value = 0.0;
 };
 
 const std::vector<Dive>& all_dives();
 const std::vector<std::string>& all_presets();
 const std::vector<Ablation>& all_ablations();
-// The runs of one group: of the trajectory every preset on every dive, and with the preset
-// `standard` every ablation.
+// Returns the runs of a group. The group `trajectory` runs every preset on every dive, and every
+// ablation with the preset `standard`.
 std::vector<Run> runs_of(const std::string& group);
 const std::vector<Goal>& all_goals();
 const std::vector<Metric>& all_metrics();

@@ -7,8 +7,8 @@
 
 namespace divemesh::bench {
 
-// Runs a program to its end and gives its exit code; what it prints goes to `log`, its errors too
-// unless `errors_apart`.
+// Runs a program and returns its exit code: 127 if it cannot be started, 128 if a signal ends it.
+// Writes its stdout to `log`, and its stderr too unless `errors_apart` is set.
 int run_program(std::vector<std::string> words,
                 const std::filesystem::path& log,
                 bool errors_apart = false);
@@ -17,13 +17,14 @@ struct ProgramUsage {
     int exit_code = 0;
     double wall_s = 0.0;
     double cpu_s = 0.0;  // user and system
-    // Not less than this process had when it started the program: Linux counts that in.
+    // At least the memory of this process when it started the program: Linux includes it.
     std::int64_t peak_memory_bytes = 0;
 };
 
-// The same, with its output and errors in one, and what it took.
+// Runs a program with stdout and stderr in `log`. Returns its exit code, time and peak memory.
 ProgramUsage run_measured(std::vector<std::string> words, const std::filesystem::path& log);
 
+// Returns the last 600 bytes of a log.
 std::string last_lines(const std::filesystem::path& log);
 
 }  // namespace divemesh::bench

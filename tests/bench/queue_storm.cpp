@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
                                .num_jobs = 10'000,
                                .num_workers = 8,
                                .num_kills = 100};
-    CLI::App app("kills workers and server while jobs run");
+    CLI::App app("Kills workers and server while jobs run.");
     app.add_option("--jobs", storm.num_jobs);
     app.add_option("--workers", storm.num_workers);
     app.add_option("--kills", storm.num_kills);

@@ -5,16 +5,19 @@
 
 namespace divemesh {
 
-// Sockets as load generators use them: nothing between them and the kernel. What fails throws
-// std::runtime_error.
+// Plain blocking sockets for load generators. All functions throw std::runtime_error on failure,
+// except receive_head().
 
-// To loopback; `receive_buffer_bytes` 0: as the kernel likes.
+// Returns a socket connected to a port of loopback. With `receive_buffer_bytes` 0 the kernel
+// chooses the size of the receive buffer.
 int connect_to(int port, int receive_buffer_bytes);
-int free_port();  // of loopback, that was free a moment ago
+// Returns a port of loopback that was free during the call.
+int free_port();
 void send_all(int socket, std::string_view bytes);
-// Up to the empty line; what came when the other end closed before.
+// Reads the head of a response up to and including the empty line. Returns the bytes received so
+// far if the peer closes before.
 std::string receive_head(int socket);
-// The head of a request for a WebSocket, answered by 101.
+// Sends a WebSocket handshake. Throws if the answer is not 101.
 void open_web_socket(int socket, const std::string& target, const std::string& token);
 
 }  // namespace divemesh

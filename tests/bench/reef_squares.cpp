@@ -1,4 +1,4 @@
-// How often the intervals of reef figures hold the truth, over squares of simulated dives. Prints
+// How often the intervals of reef metrics hold the truth, over squares of simulated dives. Prints
 // one JSON.
 
 #include <CLI/CLI.hpp>
@@ -43,7 +43,7 @@ struct Options {
 
 const char* const kTruthFile = "mav0/state_groundtruth_estimate0/data.csv";
 
-// One figure of one square.
+// One metric of one square.
 struct Sample {
     std::string square;
     double measured = 0.0;
@@ -57,7 +57,7 @@ struct Sample {
     double deviations() const { return error() / ((high - low) / (2.0 * 1.959964)); }
 };
 
-using DiveSamples = std::map<std::string, std::vector<Sample>>;  // by figure
+using DiveSamples = std::map<std::string, std::vector<Sample>>;  // by metric
 
 struct KnownSquare {
     std::string name;
@@ -269,19 +269,19 @@ int main(int argc, char** argv) {
     bench::Options options;
     options.scenes = {"tank", "barge", "reef"};
     int first_seed = 31, num_seeds = 5;
-    CLI::App app{"How often the intervals of reef figures hold, as one JSON."};
-    app.add_option("--program", options.program, "the divemesh to run")->required();
-    app.add_option("--cache", options.cache, "folder of the rendered dives")
-        ->required()
-        ->take_last();
-    app.add_option("--first-seed", first_seed, "three scenes and a loop each");
-    app.add_option("--seeds", num_seeds, "how many")->check(CLI::Range(1, 1000));
-    app.add_option("--scenes", options.scenes, "of them: tank, barge, reef")->delimiter(',');
+    CLI::App app{
+        "Measures how often the intervals of reef metrics hold and prints one JSON document."};
+    app.add_option("--program", options.program, "path of the divemesh program")->required();
+    app.add_option("--cache", options.cache, "folder for rendered dives")->required()->take_last();
+    app.add_option(
+        "--first-seed", first_seed, "first seed; each seed gives three scenes and a loop");
+    app.add_option("--seeds", num_seeds, "number of seeds")->check(CLI::Range(1, 1000));
+    app.add_option("--scenes", options.scenes, "scenes to run: tank, barge, reef")->delimiter(',');
     app.add_option("--keep",
                    options.keep,
                    "leave reconstructions in this folder; what is there is measured as it is, "
                    "whatever program made it");
-    app.add_flag("--each", options.each, "every square's figures too");
+    app.add_flag("--each", options.each, "print the metrics of every square too");
     CLI11_PARSE(app, argc, argv);
 
     for (int i = 0; i < num_seeds; ++i) options.seeds.push_back(first_seed + i);

@@ -11,7 +11,7 @@
 #   tests/bench/run.sh --only compare [--vertices N,...] [--refused-vertices N] [--threads N]
 # What comparing two models takes by their size, and how soon two places without common ground are refused.
 #   tests/bench/run.sh --only reef [--first-seed N] [--seeds N] [--scenes tank,barge,reef] [--each] [--keep DIR]
-# How often the intervals of reef figures hold, over squares of the same dives; with the DIR of the
+# How often the intervals of reef metrics hold, over squares of the same dives; with the DIR of the
 # bounds their reconstructions are not made again.
 #   tests/bench/run.sh --only envelope [--quick] [--axis NAME,...] [--keep DIR] [--table FILE] [--plot FILE]
 # Where reconstruction ends: rate, calibration, light and the rest, each walked by itself until it breaks;

@@ -112,7 +112,7 @@ nlohmann::json measure(int num_sensors, int hours) {
 }  // namespace divemesh::storage
 
 int main(int argc, char** argv) {
-    CLI::App app("what the history of sensors costs when it is full");
+    CLI::App app("Measures reads and writes of a full history of sensors.");
     int num_sensors = 200;
     int hours = 24;
     app.add_option("--sensors", num_sensors)->check(CLI::Range(1, 10'000));

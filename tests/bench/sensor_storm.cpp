@@ -1,6 +1,6 @@
 // sensor_storm --program build/release/divemesh [--seconds N]: 200 sensors speak at once, a status
-// a second and a picture every five, over streams; 1,000 clients watch five of them each, 100 of
-// which do not read; each picture is fetched once. Prints one JSON: how long it takes from what a
+// a second and an image every five, over streams; 1,000 clients watch five of them each, 100 of
+// which do not read; each image is fetched once. Prints one JSON: how long it takes from what a
 // sensor sends to who watches it, how long a sensor waits for its answer, and what the server
 // needs.
 #include <CLI/CLI.hpp>
@@ -59,7 +59,7 @@ std::string frame_of(std::string_view payload, bool is_binary) {
     return frame.append(4, '\0').append(payload);
 }
 
-// 8 x 8 pixels of grey, and a comment that makes it as long as a picture of a camera.
+// 8 x 8 pixels of grey, and a comment that makes it as long as an image of a camera.
 std::string image() {
     const unsigned char head[] = {0xFF, 0xD8, 0xFF, 0xC0, 0, 11, 8, 0, 8, 0, 8, 1, 1, 0x11, 0};
     std::string bytes(reinterpret_cast<const char*>(head), sizeof head);
@@ -306,7 +306,7 @@ private:
             auto left = static_cast<std::size_t>(number_after(head, "Content-Length: "));
             while (left > 0) {
                 const auto n = recv(socket, buffer.data(), std::min(left, buffer.size()), 0);
-                if (n <= 0) throw std::runtime_error("no picture");
+                if (n <= 0) throw std::runtime_error("no image");
                 left -= static_cast<std::size_t>(n);
             }
             if (head.starts_with("HTTP/1.1 200")) ++num_fetched_;
@@ -328,11 +328,11 @@ private:
 };
 
 int run(int argc, char** argv) {
-    CLI::App app("what one server bears of sensors and of those who watch them");
+    CLI::App app("Measures the load of sensors and of clients that watch them on one server.");
     fs::path program;
     int seconds = 30;
-    app.add_option("--program", program, "divemesh")->required();
-    app.add_option("--seconds", seconds, "of it")->capture_default_str();
+    app.add_option("--program", program, "path of the divemesh program")->required();
+    app.add_option("--seconds", seconds, "length of the storm, s")->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     prepare_for_many_connections();
 

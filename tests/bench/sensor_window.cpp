@@ -1,7 +1,7 @@
 // sensor_window --program build/release/divemesh --dive DIR: a minute at the surface on bad wifi. A
 // sensor that kept ten statuses a second for 20 s speaks through the shared proxy at 64 kbit/s with
 // 200 ms delay, and the link is cut twice. Prints one JSON: when, after each connect, the server
-// had the newest status and a picture, how much of the backlog came, and what the agent needed of
+// had the newest status and an image, how much of the backlog came, and what the agent needed of
 // the processor.
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -215,13 +215,13 @@ private:
 };
 
 int run(int argc, char** argv) {
-    CLI::App app("a minute at the surface");
+    CLI::App app("Measures what a sensor transmits in a minute at the surface over a bad link.");
     Setting setting;
-    app.add_option("--program", setting.program, "divemesh")->required();
-    app.add_option("--dive", setting.dive, "that the sensor sees")->required();
-    app.add_option("--mode", setting.mode, "of the cuts: reset, half-open, stall")
+    app.add_option("--program", setting.program, "path of the divemesh program")->required();
+    app.add_option("--dive", setting.dive, "dive that the sensor records")->required();
+    app.add_option("--mode", setting.mode, "kind of cuts: reset, half-open, stall")
         ->capture_default_str();
-    app.add_option("--seconds", setting.seconds, "of link")->capture_default_str();
+    app.add_option("--seconds", setting.seconds, "length of the link, s")->capture_default_str();
     CLI11_PARSE(app, argc, argv);
     prepare_for_many_connections();
     Window window(setting);

@@ -10,16 +10,16 @@
 
 namespace divemesh {
 
-// `divemesh serve` without workers on a free port of loopback, as a process of its own.
+// A process of `divemesh serve` without workers, on a free port of loopback.
 class Served {
 public:
-    // Throws std::runtime_error with what it said when it does not come up.
+    // Throws std::runtime_error with the server's stderr if it does not start.
     Served(const std::filesystem::path& program, const std::filesystem::path& data);
 
     const std::string& address() const { return address_; }
     int port() const { return std::stoi(address_.substr(address_.rfind(':') + 1)); }
     pid_t pid() const { return process_.pid(); }
-    // When requests of the path were answered so far, unix milliseconds.
+    // Returns when requests of this path were answered until now, Unix time in ms.
     std::vector<std::int64_t> times_of(const std::string& path) const;
 
 private:

@@ -198,13 +198,13 @@ nlohmann::json watch_and_upload(const Served& server,
 }
 
 int run(int argc, char** argv) {
-    CLI::App app("what one server bears");
+    CLI::App app("Measures the load that one server serves.");
     fs::path program;
     int seconds = 10;
     std::size_t large_bytes = 0;
-    app.add_option("--program", program, "divemesh")->required();
-    app.add_option("--seconds", seconds, "of GET")->capture_default_str();
-    app.add_option("--large", large_bytes, "bytes of one more upload, beside all the others");
+    app.add_option("--program", program, "path of the divemesh program")->required();
+    app.add_option("--seconds", seconds, "length of the GET requests, s")->capture_default_str();
+    app.add_option("--large", large_bytes, "bytes of one more upload beside the others");
     CLI11_PARSE(app, argc, argv);
     prepare_for_many_connections();
 

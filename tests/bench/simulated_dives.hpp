@@ -12,28 +12,32 @@ struct SimulatedDive {
     int num_laps = 0;  // 0: an open path
 
     std::string name() const;
-    // What bounds take a calibration's baseline and focal length to err by, drawn for this dive
-    // from a normal number of 0.1 %, relative.
+    // Returns the relative error of the stated baseline. It is drawn for this dive from a normal
+    // distribution with the standard deviation that bounds assume for a calibration, 0.1 %.
     double baseline_error() const;
 };
 
-// Three scenes, and two laps in one of them.
+// Returns an open path in each of three scenes, and two laps in one of them.
 std::vector<SimulatedDive> dives_of_seed(int seed);
 
-// Without texture. Throws std::runtime_error with what the program said last.
+// Reconstructs a dive without texture. Throws std::runtime_error with the program's last output if
+// it fails.
 void reconstruct_surface(const std::filesystem::path& program,
                          const std::filesystem::path& dive,
                          const std::filesystem::path& out);
 
-// Dives whose truth is known, kept in a folder once they are rendered: small pictures of 3 m, a
-// minute of processor time for dive and model, for two laps two.
+// Dives with known truth, kept in a folder once they are rendered. They have small images and a
+// path of 3 m. Dive and model take a minute of CPU time, two minutes for two laps.
 struct SimulatedDives {
     std::filesystem::path program;  // divemesh
     std::filesystem::path cache;
 
+    // Returns the folder of a dive, rendered if it is missing. Throws std::runtime_error if that
+    // fails.
     std::filesystem::path rendered(const SimulatedDive& dive) const;
-    // As it is for whoever calibrated a rig: of a copy whose calibration has a baseline longer by
-    // the dive's error, known distances marked as the true rig saw their ends.
+    // Reconstructs a copy of the dive whose calibration states the baseline with the dive's error,
+    // as a real calibration would. The ends of known distances are marked in the images of the true
+    // rig.
     void reconstruct(const SimulatedDive& dive, const std::filesystem::path& out) const;
 };
 

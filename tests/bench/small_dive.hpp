@@ -6,7 +6,7 @@
 
 namespace divemesh::bench {
 
-// Renders a small dive over a barge with its truth: 1.5 m at four pairs a second in clear water.
+// Renders a small dive over a barge with its truth: 1.5 m long, four pairs a second, clear water.
 inline void render_small_dive(const std::filesystem::path& out) {
     simulator::simulate({.scene = simulator::SceneKind::Barge,
                          .out = out,

@@ -8,13 +8,13 @@
 
 namespace divemesh::bench {
 
-// A level square, sides along x and y, whose heights are looked at from above every 2 mm.
+// A level square with sides along x and y, whose heights are sampled from above every 2 mm.
 struct Square {
     Eigen::Vector2d corner_m = Eigen::Vector2d::Zero();  // the lowest x and y
     double side_m = 0.6;
 };
 
-// Heights above z = 0, row by row along x from the corner; NaN where there is nothing.
+// Heights above z = 0, row by row along x from the corner; NaN where there is no surface.
 struct SquareHeights {
     static constexpr int kPerMetre = 500;
     int num_nodes = 0;  // along a side
@@ -29,11 +29,12 @@ SquareHeights heights_of(const Square& square,
                          const evaluation::SurfaceIndex& surface,
                          double above_m);
 
-// Figures as docs/measuring.md defines them, written down once more to judge what is measured.
-// Nothing where no height is known.
+// The metrics that docs/measuring.md defines, implemented a second time to check the product's. A
+// result is nullopt if no height is known.
 
-// Area of the triangles between samples `spacing_m` apart, a multiple of 2 mm, over that seen from
-// above; cells with an unknown corner left out, the mean of both ways to cut a cell.
+// Returns the area of the triangles between samples `spacing_m` apart (a multiple of 2 mm), divided
+// by their area seen from above. Leaves out cells with an unknown corner, and takes the mean of
+// both diagonals of a cell.
 std::optional<double> true_rugosity(const SquareHeights& heights, double spacing_m);
 struct HeightRange {
     double low_m = 0.0;
@@ -41,8 +42,10 @@ struct HeightRange {
 
     double size_m() const { return high_m - low_m; }
 };
+// Returns the lowest and the highest known height.
 std::optional<HeightRange> true_range(const SquareHeights& heights);
-// Returns the volume over the plane z = plane_z_m. Unknown heights count as the mean of the others.
+// Returns the volume above the plane z = plane_z_m. Unknown heights count as the mean of the known
+// ones.
 double true_volume_m3(const SquareHeights& heights, double plane_z_m);
 // Returns the slope of the plane that fits the heights.
 double true_slope_deg(const SquareHeights& heights);

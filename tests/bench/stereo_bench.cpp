@@ -47,15 +47,18 @@ int main(int argc, char** argv) {
     std::vector<std::filesystem::path> dives;
     std::vector<std::string> only = {"coverage", "middlebury"};
     bench::CoverageOptions options;
-    CLI::App app{"Measures dense stereo beside OpenCV's and prints the figures as one JSON."};
+    CLI::App app{
+        "Compares dense stereo with OpenCV's and prints the metrics as one JSON document."};
     app.add_option("--dive", dives, "folders of recordings; default: those of the shared data");
-    app.add_option("--only", only, "default: both")
+    app.add_option("--only", only, "parts to run; default: both")
         ->delimiter(',')
         ->check(CLI::IsMember({"coverage", "middlebury"}));
-    app.add_option("--pairs", options.num_pairs, "of each recording, spread over it")
+    app.add_option(
+           "--pairs", options.num_pairs, "number of pairs of each recording, spread over it")
         ->check(CLI::Range(1, 1000));
-    app.add_option("--num-disparities", options.num_disparities_px, "of both matchers");
-    app.add_option("--pictures", options.pictures, "folder for disparities as pictures");
+    app.add_option(
+        "--num-disparities", options.num_disparities_px, "number of disparities of both matchers");
+    app.add_option("--pictures", options.pictures, "folder for images of the disparities");
     CLI11_PARSE(app, argc, argv);
 
     const auto wanted = [&](const char* part) {

@@ -12,7 +12,7 @@ namespace divemesh::bench {
 namespace {
 
 constexpr double kNumPixels = 1.0 * kWidth_px * kHeight_px;
-constexpr float kMove_px = 0.7F;  // of the picture, along both axes
+constexpr float kMove_px = 0.7F;  // of the image, along both axes
 
 struct Move {
     cv::Mat before;
@@ -32,7 +32,7 @@ const Move& small_move() {
     return made;
 }
 
-// One level of the pyramid, as one call of ours: the picture hardly moves.
+// One level of the pyramid, as one call of ours: the image hardly moves.
 void opencv_klt(benchmark::State& state) {
     const Move& move = small_move();
     std::vector<cv::Point2f> found;

@@ -7,10 +7,10 @@
 
 namespace divemesh::bench {
 
-// The reference implementation of tus, @tus/server of npm, as a process over a folder.
+// A process of the reference implementation of tus, @tus/server of npm, that stores in a folder.
 class TusReferenceServer {
 public:
-    // Nothing when its packages are not there (npm ci in tests/end_to_end/js) or do not run.
+    // Returns nullopt if its packages are missing (npm ci in tests/end_to_end/js) or do not run.
     static std::optional<TusReferenceServer> start(const std::filesystem::path& folder);
 
     int port() const { return port_; }

@@ -342,12 +342,14 @@ json measure(const Options& options) {
 int main(int argc, char** argv) {
     using namespace divemesh;
     bench::Options options;
-    CLI::App app{"Uploads and prints the figures as one JSON."};
-    app.add_option("--program", options.program, "the divemesh to run")->required();
-    app.add_option("--folder", options.folder, "where the server's data are; default: temporary");
-    app.add_option("--repeat", options.num_repeats, "the median counts")->check(CLI::Range(1, 100));
-    app.add_flag("--large", options.large, "also a dive of 10 GB");
-    app.add_flag("--require", options.require, "exit 3 when a goal is not met");
+    CLI::App app{"Measures uploads and prints the metrics as one JSON document."};
+    app.add_option("--program", options.program, "path of the divemesh program")->required();
+    app.add_option(
+        "--folder", options.folder, "folder for the server's data; default: a temporary one");
+    app.add_option("--repeat", options.num_repeats, "number of runs; takes their median")
+        ->check(CLI::Range(1, 100));
+    app.add_flag("--large", options.large, "also upload a dive of 10 GB");
+    app.add_flag("--require", options.require, "exit with 3 if a goal is not met");
     CLI11_PARSE(app, argc, argv);
     const auto report = bench::measure(options);
     std::cout << report.dump(2) << "\n";

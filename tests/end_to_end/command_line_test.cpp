@@ -105,7 +105,7 @@ TEST_F(CommandLineTest, TokensMadeAndRevokedAtTheServerAreNotedWithTheUser) {
     }
 }
 
-// The figure is evo's own, published with its test data.
+// The metric is evo's own, published with its test data.
 TEST_F(CommandLineTest, EvaluatesATrajectoryAsEvoDoes) {
     const fs::path evo = shared_data("evo");
     if (!fs::exists(evo)) GTEST_SKIP() << "no shared data: set DIVEMESH_SHARED";

@@ -48,7 +48,7 @@ TEST_F(DrawingTest, WhatIsDrawnOnThePageLiesWhereItWasDrawnAndIsMeasured) {
     const json areas = json::parse(node.stdout_text()).at("areas");
     ASSERT_EQ(areas.size(), 2U);
     EXPECT_EQ(areas[1].at("label"), "Porites");
-    // The picture fits into 800 x 600 and lies in the middle.
+    // The image fits into 800 x 600 and lies in the middle.
     const json mosaic = read(fs::path(model) / "mosaic.json");
     const double width_px = mosaic.at("width_px"), height_px = mosaic.at("height_px");
     const double m_per_screen_px =

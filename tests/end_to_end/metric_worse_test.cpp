@@ -1,4 +1,4 @@
-// A schedule's report finds a figure worse than its history, and a webhook tells of it.
+// A schedule's report finds a metric worse than its history, and a webhook tells of it.
 #include <gtest/gtest.h>
 
 #include <soci/soci.h>

@@ -10,10 +10,10 @@
 
 namespace divemesh {
 
-// A program that was started, its output in files; killed with the object when it still runs.
+// A child process with its output in files. The destructor kills it if it still runs.
 class Process {
 public:
-    using Environment = std::map<std::string, std::string>;  // beside what the test itself has
+    using Environment = std::map<std::string, std::string>;  // added to this process's own
 
     Process(const std::vector<std::string>& command,
             const std::filesystem::path& output_folder,
@@ -22,10 +22,11 @@ public:
     Process(Process&& other) noexcept;
     Process& operator=(Process&&) = delete;
 
-    // The exit code, 128 + signal when it was killed; nothing when it still runs at the end.
+    // Returns the exit code, or 128 + signal if a signal ended it; nullopt if it still runs after
+    // the timeout.
     std::optional<int> wait(std::chrono::seconds timeout);
     void send(int signal);
-    void kill();  // SIGKILL, and waits
+    void kill();  // sends SIGKILL and waits
 
     pid_t pid() const { return pid_; }
     std::string stdout_text() const;
@@ -38,11 +39,11 @@ private:
     std::filesystem::path stderr_file_;
 };
 
-// Looks every 20 ms until `done()` is true; false when it never was.
+// Calls `done` every 20 ms until it returns true; returns false after the timeout.
 template <typename Done>
 bool wait_until(std::chrono::seconds timeout, Done&& done);
 
-std::string read_text(const std::filesystem::path& file);  // "" when it is not there
+std::string read_text(const std::filesystem::path& file);  // "" if the file is missing
 void pause_20_ms();
 
 template <typename Done>

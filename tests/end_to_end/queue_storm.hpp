@@ -6,7 +6,8 @@
 
 namespace divemesh {
 
-// Many jobs with next to nothing to do, asked for over HTTP, while server and workers are killed.
+// Settings of a storm: a client creates many tiny jobs over HTTP while server and workers are
+// killed.
 struct QueueStorm {
     std::filesystem::path program;      // divemesh
     std::filesystem::path fake_worker;  // a worker with an empty pipeline
@@ -19,13 +20,13 @@ struct QueueStorm {
 struct StormReport {
     int num_succeeded = 0;
     int num_kills = 0;
-    int num_redriven = 0;  // hit three times in a row
-    int num_attempts = 0;  // of all jobs, those of the killed workers too
+    int num_redriven = 0;  // jobs put back after they lost three workers in a row
+    int num_attempts = 0;  // of all jobs, including those of killed workers
     double seconds = 0.0;
-    std::vector<std::string> complaints;  // what was lost, or was done twice to effect
+    std::vector<std::string> complaints;  // jobs that were lost or took effect twice
 };
 
-// Returns when every job is finished, or when nothing has moved for a minute.
+// Runs a storm. Returns when every job is finished, or after a minute without progress.
 StormReport run_queue_storm(const QueueStorm& storm);
 
 }  // namespace divemesh

@@ -74,14 +74,14 @@ protected:
     MessageRing ring_{folder_ / "ring", MessageRing::kMinBytes, "boot-1"};
 };
 
-TEST_F(SensorTlsTest, SpeaksToAServerThatItBelieves) {
+TEST_F(SensorTlsTest, SendsToATrustedServer) {
     account_.server.ca_file = folder_ / "cert.pem";
     const Link link(account_, "rig-1", ring_, {});
     EXPECT_TRUE(wait_until(20s, [&] { return ring_.num_waiting() == 0; })) << link.state().trouble;
     EXPECT_TRUE(link.state().is_connected);
 }
 
-TEST_F(SensorTlsTest, SaysNothingToOneThatItDoesNotKnow) {
+TEST_F(SensorTlsTest, SendsNothingToAnUntrustedServer) {
     const Link link(account_, "rig-1", ring_, {});
     EXPECT_TRUE(wait_until(20s, [&] {
         return link.state().trouble.find("certificate") != std::string::npos;

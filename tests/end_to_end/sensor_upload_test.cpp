@@ -129,7 +129,7 @@ TEST_F(SensorUploadTest, GoesOnThroughALinkThatBreaks) {
 }
 
 // As the disk is when the power goes: it may stop anywhere.
-TEST_F(SensorUploadTest, SendsItOnceWhereverThePowerGoes) {
+TEST_F(SensorUploadTest, SendsADiveOnceDespitePowerLossAtAnyPoint) {
     send_all(service_.address());
     record("wreck", 1000);
     const std::string& address = service_.address();

@@ -13,10 +13,10 @@ namespace divemesh {
 
 std::filesystem::path divemesh_program();
 
-// What `divemesh simulate` renders by these options, once for all tests of one build of the
-// program.
+// Returns the folder of a dive that `divemesh simulate` rendered with these options. A dive is
+// rendered once for each build of the program.
 std::filesystem::path simulated_dive(const std::vector<std::string>& options);
-std::filesystem::path small_dive();  // of the tank
+std::filesystem::path small_dive();  // in the scene `tank`
 
 struct Outcome {
     int exit_code = -1;
@@ -24,18 +24,18 @@ struct Outcome {
     std::string err;
 };
 
-// A server on loopback with its data in a folder of its own, and whatever else is started around
-// it. Everything is killed with it.
+// A server on loopback with its data in a temporary folder, and the programs that a test runs with
+// it. The destructor kills the server.
 class Service {
 public:
     Service();
 
-    // On the port of the first start, so that a client finds it again.
+    // Starts the server, on the port of its first start, so that a client finds it again.
     void start_server(int num_workers);
     void kill_server();
     Process start_worker() const;
 
-    // `divemesh ...` as a user of this server.
+    // Starts `divemesh` with these arguments as a user of this server.
     Process start(std::vector<std::string> arguments) const;
     Outcome run(const std::vector<std::string>& arguments,
                 std::chrono::seconds timeout = std::chrono::seconds(60)) const;
@@ -44,7 +44,7 @@ public:
     nlohmann::json jobs() const;
     nlohmann::json dives() const;
     nlohmann::json job(const std::string& id) const;
-    // The only reconstruction that the server has; waits until it is in that state.
+    // Waits until the server's only reconstruction is in that state and returns it.
     nlohmann::json wait_for_reconstruction(const std::string& state,
                                            std::chrono::seconds timeout) const;
 
@@ -52,7 +52,7 @@ public:
     Process& server() { return *server_; }
     const std::string& address() const { return address_; }
     const std::string& token() const { return token_; }
-    std::vector<std::string> processes() const;  // command lines of all that name our folder
+    std::vector<std::string> processes() const;  // command lines that name our folder
 
 private:
     std::string data() const { return (folder_ / "data").string(); }

@@ -4,7 +4,7 @@
 
 namespace {
 
-// Two lists of pictures, with an empty line between them.
+// Two lists of images, with an empty line between them.
 void read_cameras(std::string_view text, divemesh::dive::FindingLog& findings) {
     const auto gap = text.find("\n\n");
     const auto left = divemesh::dive::parse_camera_rows(text.substr(0, gap), "cam0", findings);

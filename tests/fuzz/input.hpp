@@ -6,13 +6,13 @@
 
 namespace divemesh::fuzz {
 
-// The bytes that libFuzzer made, taken from the front.
+// The bytes of a fuzzer, consumed from the front.
 class Input {
 public:
     Input(const std::uint8_t* data, std::size_t size)
         : rest_(reinterpret_cast<const char*>(data), size) {}
 
-    // Which of `num_choices`, by one byte.
+    // Consumes one byte and returns a choice from 0 to num_choices - 1.
     std::size_t choice(std::size_t num_choices) {
         const auto byte = static_cast<unsigned char>(rest_.empty() ? '\0' : rest_.front());
         rest_.remove_prefix(rest_.empty() ? 0 : 1);

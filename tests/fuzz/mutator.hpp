@@ -7,12 +7,12 @@
 
 namespace divemesh::fuzz {
 
-// Makes new inputs of old ones; the same ones for the same seed.
+// Makes new inputs from a corpus, the same ones for the same seed.
 class Mutator {
 public:
     Mutator(std::vector<std::string> corpus, std::uint64_t seed, std::size_t max_bytes);
 
-    // One of the corpus, changed in a few places; never longer than max_bytes.
+    // Returns an entry of the corpus, changed in a few places and cut to max_bytes.
     std::string next();
 
 private:

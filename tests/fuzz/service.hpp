@@ -19,7 +19,7 @@
 
 namespace divemesh::fuzz {
 
-// The service without a port: a catalog with a dive and a job of its own, no tokens asked for.
+// The service without a port and without tokens, over a catalog with a dive and a job.
 class Service {
 public:
     Service();
@@ -28,11 +28,11 @@ public:
     const std::string& dive_id() const { return dive_id_; }
     const std::string& job_id() const { return job_id_; }
 
-    // One request with a body, past everything that has to do with sockets.
+    // Dispatches one request with a body, without sockets.
     api::Response ask(api::Request request, std::string_view body);
 
-    // What a client gets that says all this and then no more. Ends the process when the connection
-    // does not end by itself.
+    // Returns what a client receives that sends these bytes and then closes its side. Aborts the
+    // process if the connection does not end.
     std::string converse(std::string_view sent);
 
 private:

@@ -31,6 +31,17 @@ TEST(FileDescriptorTest, IsHandedOnByMoving) {
     EXPECT_TRUE(is_open(number));
 }
 
+TEST(FileDescriptorTest, ReleasedItStaysOpen) {
+    int number = -1;
+    {
+        FileDescriptor file = null_device();
+        number = file.release();
+        EXPECT_FALSE(file.is_open());
+    }
+    EXPECT_TRUE(is_open(number));
+    EXPECT_TRUE(FileDescriptor(number).close());
+}
+
 TEST(FileDescriptorTest, ClosingTellsWhetherTheSystemCould) {
     FileDescriptor file = null_device();
     EXPECT_TRUE(file.close());

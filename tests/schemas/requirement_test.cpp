@@ -81,7 +81,7 @@ TEST(Requirement, WhatIsNoComparisonWithANumberIsRefused) {
     refusal(std::string(100'000, '<'));
 }
 
-TEST(Figures, EveryNumberOfADocumentHasUnitMethodAndAlignment) {
+TEST(FlattenMetrics, EveryNumberHasUnitMethodAndAlignment) {
     const nlohmann::json metrics = {
         {"options", {{"voxel_m", 0.01}}},
         {"frames", {{"num_frames", 700}}},
@@ -110,7 +110,7 @@ TEST(Figures, EveryNumberOfADocumentHasUnitMethodAndAlignment) {
     EXPECT_FALSE(named("known_distances.distances[bar].measured_m").value);
 }
 
-TEST(Figures, WhatAParentMeasuresGivesItsPartsTheirUnit) {
+TEST(FlattenMetrics, EntriesOfAMetricInheritItsUnit) {
     const nlohmann::json metrics = {
         {"calibration", {{"refined", {{"time_offset_s", {{"value", 0.01}, {"sigma", 1e-4}}}}}}}};
     const auto flattened = flatten_metrics(metrics);
@@ -118,7 +118,7 @@ TEST(Figures, WhatAParentMeasuresGivesItsPartsTheirUnit) {
     for (const Metric& metric : flattened) EXPECT_EQ(metric.unit, "s") << metric.name;
 }
 
-TEST(Figures, EntriesOfOneNameStayApart) {
+TEST(FlattenMetrics, EntriesWithTheSameNameStayDistinct) {
     const nlohmann::json metrics = {
         {"known_distances",
          {{"distances",

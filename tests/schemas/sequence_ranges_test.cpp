@@ -17,7 +17,7 @@ std::int64_t contiguous(const std::set<std::int64_t>& numbers) {
     return next - 1;
 }
 
-TEST(SequenceRangesTest, SaysWhatASetSaysWhateverTheOrderAndTheRepeats) {
+TEST(SequenceRangesTest, EqualsASetInAnyOrderAndWithRepeats) {
     for (unsigned seed = 0; seed < 20; ++seed) {
         std::mt19937 random(seed);
         SequenceRanges ranges;
@@ -40,7 +40,7 @@ TEST(SequenceRangesTest, SaysWhatASetSaysWhateverTheOrderAndTheRepeats) {
     }
 }
 
-TEST(SequenceRangesTest, WhatTheSenderLostIsWaitedForNoMore) {
+TEST(SequenceRangesTest, DoesNotWaitForMessagesThatTheSenderLost) {
     SequenceRanges ranges;
     for (const std::int64_t number : {0, 1, 5, 6, 9}) ranges.add(number);
     ranges.give_up({2, 7});  // 5 and 6 of them had arrived
@@ -55,7 +55,7 @@ TEST(SequenceRangesTest, WhatTheSenderLostIsWaitedForNoMore) {
     EXPECT_EQ(ranges.acknowledged(), 12);
 }
 
-TEST(SequenceRangesTest, StaysBoundedWhoeverLeavesOutEveryOtherMessage) {
+TEST(SequenceRangesTest, StaysBoundedIfEveryOtherMessageIsMissing) {
     SequenceRanges ranges;
     for (std::int64_t number = 0; number < 100'000; number += 2) ranges.add(number);
     EXPECT_LE(ranges.gaps().size(), SequenceRanges::kMaxRanges);

@@ -51,7 +51,7 @@ protected:
     AgentSettings settings_;
 };
 
-TEST_F(AgentTest, SaysHowItIsAndWhatItSees) {
+TEST_F(AgentTest, SendsHelloStatusAndPreview) {
     Agent agent(settings_, watch_folder(folder_ / "dives", {}));
     run_until(agent, [&] {
         const auto status = newest("status");
@@ -64,7 +64,7 @@ TEST_F(AgentTest, SaysHowItIsAndWhatItSees) {
     EXPECT_EQ(status["recording"], true);
     EXPECT_EQ(status["dive"], "wreck");
     EXPECT_EQ(status["battery"], 0.42);
-    EXPECT_FALSE(status.contains("depth_m"));  // nobody measures it
+    EXPECT_FALSE(status.contains("depth_m"));  // no sensor measures it
     EXPECT_FALSE(status.contains("leak"));
     EXPECT_EQ(newest("preview")->body["camera"], "cam0");
     EXPECT_EQ(newest("preview")->body["width"], 160);
@@ -87,7 +87,7 @@ TEST_F(AgentTest, MakesAPreviewThatIsAskedFor) {
     EXPECT_LE(newest("preview")->num_bytes, 3400u);
 }
 
-TEST_F(AgentTest, SaysAfterAStartWhatItCouldNotSayBefore) {
+TEST_F(AgentTest, SendsStoredMessagesAfterARestart) {
     server_.refuse_with(503);
     std::size_t num_waiting = 0;
     {
@@ -105,7 +105,7 @@ TEST_F(AgentTest, SaysAfterAStartWhatItCouldNotSayBefore) {
     EXPECT_FALSE(server_.heard().front().is_historical);
 }
 
-TEST_F(AgentTest, SaysThatItsDiskIsNoUse) {
+TEST_F(AgentTest, ReportsAnUnusableStateFolder) {
     std::ofstream(folder_ / "state") << "no folder";
     Agent agent(settings_, watch_folder(folder_ / "nothing", {}));
     run_until(agent, [&] {
@@ -114,7 +114,7 @@ TEST_F(AgentTest, SaysThatItsDiskIsNoUse) {
     });
 }
 
-TEST(StatusTest, IsTakenWhateverThePartsAre) {
+TEST(StatusTest, IsValidForAnyParts) {
     StatusParts parts;
     parts.recording.dive = std::string(60, 'x') + "\xC3\xA4\xC3\xA4\xC3\xA4 \xFF\n";
     for (int i = 0; i < 50; ++i) parts.errors.push_back(std::string(300, '\xFF'));

@@ -22,7 +22,7 @@ public:
         }
     }
 
-    // A pair with what is seen in it; returns its stamp.
+    // Adds a pair of images of random noise; returns its timestamp.
     std::int64_t add_frame() {
         cv::Mat image(120, 160, CV_8U);
         cv::randu(image, 0, 255);

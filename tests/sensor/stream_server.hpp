@@ -9,7 +9,7 @@
 
 namespace divemesh::sensor {
 
-// A message as it came to the server.
+// A message that the server received.
 struct Heard {
     int connection = 0;  // the first is 0
     std::string kind;    // "hello", "status", "preview", "outcome", "lost"
@@ -21,8 +21,8 @@ struct Heard {
     nlohmann::json body;
 };
 
-// The server's side of a sensor's stream, which a test tells how to behave. Loopback; a thread for
-// each connection, all of which end with it.
+// The server's side of a sensor's stream on loopback, controlled by a test. It has a thread for
+// each connection; the destructor ends them all.
 class StreamServer {
 public:
     StreamServer();
@@ -31,18 +31,18 @@ public:
     StreamServer& operator=(const StreamServer&) = delete;
 
     std::string url() const;
-    void answer(bool yes);                // else it reads and says nothing; true at first
-    void stall(bool yes);                 // reads nothing, not even pings
-    void refuse_with(int http_status);    // handshakes; 0: no more
-    void set_time(std::int64_t time_ms);  // that the next welcome tells
-    void refuse_kind(const std::string& kind);
-    void cut();  // the connection that is there
-    void close_with(int code);
+    void answer(bool yes);                      // false: reads messages without an answer
+    void stall(bool yes);                       // true: reads nothing, not even pings
+    void refuse_with(int http_status);          // the status of handshakes; 0: accepts them
+    void set_time(std::int64_t time_ms);        // of the next welcome
+    void refuse_kind(const std::string& kind);  // answers messages of this kind with 400
+    void cut();                                 // shuts the current connection down
+    void close_with(int code);                  // closes the current stream with this code
     void send(const nlohmann::json& frame);
 
-    int num_connections() const;  // that were asked for
+    int num_connections() const;  // TCP connections accepted until now
     std::vector<Heard> heard() const;
-    // Waits for so many messages; false: they did not come in time.
+    // Waits until `num_messages` have arrived in all; false if they do not arrive in time.
     bool wait_for(std::size_t num_messages,
                   std::chrono::milliseconds time = std::chrono::seconds(10)) const;
     bool wait_for_connections(int count,

@@ -1,4 +1,4 @@
-// Truth that comes later, reports and comparisons, figures as series, schedules: over HTTP.
+// Truth that comes later, reports and comparisons, metrics as series, schedules: over HTTP.
 #include <gtest/gtest.h>
 
 #include "schemas/content_hash.hpp"

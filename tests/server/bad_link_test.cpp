@@ -44,22 +44,22 @@ protected:
 };
 
 // U5
-TEST_F(BadLinkTest, AConnectionThatIsResetIsGoneOnWith) {
+TEST_F(BadLinkTest, AnUploadSurvivesConnectionResets) {
     expect_intact_through({.cut = Cut::Reset, .cut_after_bytes = 1'300'000}, 4);
 }
 
 // U14
-TEST_F(BadLinkTest, AConnectionThatIsHalfOpenIsTakenOver) {
+TEST_F(BadLinkTest, AnUploadSurvivesHalfOpenConnections) {
     expect_intact_through({.cut = Cut::HalfOpen, .cut_after_bytes = 1'300'000}, 4);
 }
 
 // U22
-TEST_F(BadLinkTest, ALinkThatFallsSilentIsLeft) {
+TEST_F(BadLinkTest, AnUploadSurvivesStalledConnections) {
     expect_intact_through({.cut = Cut::Stall, .cut_after_bytes = 1'300'000, .num_cuts = 3}, 3);
 }
 
 // U13, U22
-TEST_F(BadLinkTest, PartsBesideEachOtherSurviveTheSame) {
+TEST_F(BadLinkTest, ParallelPartsSurviveCuts) {
     settings.num_parts = 3;
     for (const Cut cut : {Cut::Reset, Cut::HalfOpen}) {
         FlakyProxy proxy(server.port(), {.cut = cut, .cut_after_bytes = 700'000});

@@ -6,10 +6,10 @@
 
 namespace divemesh {
 
-// What api/openapi.yaml does not allow about an answer; "" when it is as documented. An answer
-// below 400 needs an entry of its own: its status, its content type, its body by the schema, its
-// required headers. A failure may be any that HTTP knows, told as a Problem. What is asked of no
-// operation's address is a failure too.
+// Returns how a response differs from api/openapi.yaml; "" if it is as documented. A response below
+// 400 needs an entry for its status, with its content type, the schema of its body and its required
+// headers. Any other response may have any status from 400 on, with the body of a Problem. A
+// request that no operation documents has to fail.
 std::string contract_breach(const std::string& method,
                             const std::string& target,
                             const RawResponse& response);

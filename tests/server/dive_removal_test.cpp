@@ -59,7 +59,7 @@ TEST_F(DiveRemovalTest, ItsJobsAreCancelledAndNewOnesAreRefused) {
     EXPECT_EQ(server.request("POST", path + "/retry", server.admin()).status, 200);
 }
 
-TEST_F(DiveRemovalTest, StandsInNobodysWayAndDoesNotComeBackBesideItsTwin) {
+TEST_F(DiveRemovalTest, ADeletedDiveIsNotRestoredBesideItsTwin) {
     remove("*");
     const std::string twin = server.make_dive("default", sha256_hex("1"));
     EXPECT_NE(twin, id);

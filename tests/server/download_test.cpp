@@ -170,7 +170,7 @@ TEST_F(LargeDownloadTest, ArrivesWholeThroughASocketThatIsFullMostOfTheTime) {
     EXPECT_EQ(client.request("GET", "/healthz/live").status, 200);  // nothing was left over
 }
 
-TEST_F(LargeDownloadTest, WhoVanishesInTheMidstIsMissedByNobody) {
+TEST_F(LargeDownloadTest, AClientThatResetsTheConnectionDoesNoHarm) {
     for (int i = 0; i < 5; ++i) {
         RawClient client(server.port());
         ASSERT_TRUE(client.send(ask()));

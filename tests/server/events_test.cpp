@@ -52,7 +52,7 @@ TEST(EventsTest, TellsWhatHappensInOrderAndResumesAfterTheLastSeen) {
 }
 
 // After a restored backup, or after a long time: silence would be taken for nothing new.
-TEST(EventsTest, SinceAnEventThatThereIsNotIsRefused) {
+TEST(EventsTest, SinceAnUnknownEventIsRefused) {
     TestServer server;
     server.make_dive("default", sha256_hex("1"));
     const auto status_since = [&](std::int64_t sequence) {

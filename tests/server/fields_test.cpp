@@ -63,7 +63,7 @@ TEST_F(FieldsTest, EveryListAndObjectThatSaysSoTakesThem) {
     }
 }
 
-TEST_F(FieldsTest, OneThatThereIsNotIsRefusedByItsName) {
+TEST_F(FieldsTest, AnUnknownFieldIsRefusedByItsName) {
     const auto dive = "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a'));
     for (const auto& path : {dive, std::string("/api/v1/dives"), dive + "/findings"}) {
         const auto refused = get(path + "?fields=id,colour");

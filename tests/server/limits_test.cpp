@@ -157,7 +157,7 @@ TEST(LimitsTest, TakesNoMoreConnectionsThanItMay) {
 }
 
 // A11
-TEST(LimitsTest, StopsThoughClientsAreIdleOrInTheMidst) {
+TEST(LimitsTest, StopsDespiteIdleClientsAndUnfinishedRequests) {
     server::ServerConfig config;
     config.timeouts.stop = 2s;
     TestServer server(config);

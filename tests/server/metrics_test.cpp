@@ -127,7 +127,7 @@ TEST(MetricsTest, TellHowLongTheStagesOfAllJobsTook) {
 }
 
 // What A10 asks for, and what the dashboard shows, is there.
-TEST(MetricsTest, TheDashboardAsksForNothingThatThereIsNot) {
+TEST(MetricsTest, EveryMetricOfTheDashboardExists) {
     TestServer server;
     const auto text = server.request("GET", "/metrics", server.admin()).body;
     std::ifstream file(source_directory() / "deploy/grafana/divemesh.json");

@@ -38,7 +38,7 @@ TEST_F(ByteQuotaTest, RefusesTheUploadThatWouldBeTooMuchAndSaysWhatThereIs) {
                               {"max_bytes", 1000}}));
 }
 
-TEST_F(ByteQuotaTest, OfManyAtOnceNoneGoesBeyondIt) {
+TEST_F(ByteQuotaTest, ConcurrentUploadsDoNotExceedIt) {
     std::vector<std::future<int>> asked;
     for (int i = 0; i < 8; ++i)
         asked.push_back(std::async(std::launch::async, [this] {

@@ -18,12 +18,12 @@ struct RawResponse {
     std::map<std::string, std::string> headers;  // names in lower case
     std::string body;
 
-    std::string header(const std::string& name) const;  // "" when it is missing
+    std::string header(const std::string& name) const;  // "" if missing
     nlohmann::json json() const { return nlohmann::json::parse(body); }
 };
 
-// An HTTP client that sends what it is told, right or wrong, and can vanish in the midst of it.
-// Gives up after 20 s without a byte.
+// An HTTP client that sends any bytes, valid or not, and can reset the connection at any point. It
+// times out after 20 s without a byte.
 class RawClient {
 public:
     explicit RawClient(int port, int receive_buffer_bytes = 0);
@@ -32,13 +32,15 @@ public:
     RawClient& operator=(const RawClient&) = delete;
 
     bool send(std::string_view bytes);  // false: the server has closed
-    // Nothing when the connection ended before a whole answer. Skips 100 Continue.
+    // Returns the next response, without 100 Continue; nullopt if the connection ends before it is
+    // complete. `head`: the response has no body.
     std::optional<RawResponse> receive(bool head = false);
     std::string read_available();  // blocks for the first byte; "" at the end
-    bool at_end();                 // the server closes without another byte
-    void reset();                  // vanishes at once (RST)
+    bool at_end();                 // waits; true if the server closes without another byte
+    void reset();                  // closes with RST
 
-    // Fails the test when the answer is not as api/openapi.yaml has it.
+    // Sends a request and returns the response. Fails the test if it breaks api/openapi.yaml;
+    // throws std::runtime_error without a response.
     RawResponse request(const std::string& method,
                         const std::string& target,
                         const Headers& headers = {},

@@ -10,7 +10,7 @@
 
 namespace divemesh {
 
-// A server, the sensor "aqua" of its project default, and what it says.
+// A server with the sensor "aqua" of the project default, and the frames that the sensor sends.
 class SensorFixture : public testing::Test {
 protected:
     using json = nlohmann::json;
@@ -53,7 +53,7 @@ protected:
                    {"hello", {{"firmware", "2.1"}, {"capabilities", capabilities}}}}}}};
     }
 
-    // The markers of a grey JPEG, which is all that the server reads.
+    // Returns the markers of a grey JPEG. The server reads no more of an image.
     static std::string jpeg(int width = 64, int height = 48) {
         std::string bytes = "\xFF\xD8\xFF\xC0";
         for (const int byte :

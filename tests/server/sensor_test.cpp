@@ -152,7 +152,7 @@ protected:
     SensorOnAFullDiskTest() : SensorFixture(full()) {}
 };
 
-// A14 for sensors: what they say goes on, their pictures take no more room.
+// A14 for sensors: what they say goes on, their images take no more room.
 TEST_F(SensorOnAFullDiskTest, KeepsFewPreviewsAndEveryStatus) {
     const json image = {{"camera", "cam0"}, {"jpeg", base64(jpeg())}};
     for (int i = 0; i < 30; i += 2) {

@@ -92,7 +92,7 @@ TEST_F(SensorWatchTest, OfAnotherProjectNothingIsTold) {
     EXPECT_THROW(watch("nobody"), boost::system::system_error);
 }
 
-// A picture is announced; its bytes are fetched.
+// An image is announced; its bytes are fetched.
 TEST_F(SensorWatchTest, AnImageIsAnnounced) {
     push(token_, report(0, json::object()));
     WebSocketClient watcher = watch("aqua");

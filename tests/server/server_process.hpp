@@ -7,8 +7,8 @@
 
 namespace divemesh {
 
-// A server as a process of its own, over the same data folder each time; killed at the end. `more`:
-// what serve_process takes after the folder.
+// A server process over a data folder; the destructor kills it. `more` holds the arguments of
+// serve_process after the folder.
 class ServerProcess {
 public:
     explicit ServerProcess(const std::filesystem::path& data,
@@ -19,14 +19,14 @@ public:
 
     int port() const { return port_; }
     void send(int signal) const;
-    int end(int signal);  // its exit code; 128 and the signal that ended it; -1: ended before
+    int end(int signal);  // returns the exit code; 128 + signal; -1 if it ended before
 
 private:
     pid_t pid_ = -1;
     int port_ = 0;
 };
 
-// The token that the server made when it first started in this folder.
+// Returns the token that the server made when it first started in this folder.
 std::string read_token(const std::filesystem::path& data);
 
 }  // namespace divemesh

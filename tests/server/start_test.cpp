@@ -137,7 +137,7 @@ std::string leave_pending_dive(const ServerConfig& config,
 }
 
 // S12
-TEST(StartTest, MakesTheDivesThatAKilledServerStillOwedToThoseWhoMayStillHaveThem) {
+TEST(StartTest, MakesPendingDivesOfAKilledServerIfTheirTokensAreValid) {
     const TemporaryFolder data;
     const auto config = config_at(data, "127.0.0.1:0");
     std::string wrong;
@@ -173,7 +173,7 @@ TEST(StartTest, MakesTheDivesThatAKilledServerStillOwedToThoseWhoMayStillHaveThe
 }
 
 // U20
-TEST(StartTest, ADiveThatThereWasNoRoomForIsMadeOnceThereIs) {
+TEST(StartTest, APendingDiveIsMadeOnceTheQuotaAllowsIt) {
     const TemporaryFolder data;
     auto config = config_at(data, "127.0.0.1:0");
     config.max_project_dives = 1;

@@ -13,7 +13,7 @@
 
 namespace divemesh {
 
-// A real server on a free port of loopback, in this process, with a data folder of its own.
+// A real server in this process, on a free port of loopback, with a temporary data folder.
 class TestServer {
 public:
     explicit TestServer(server::ServerConfig config = {});
@@ -24,10 +24,10 @@ public:
     int port() const { return port_; }
     const std::string& admin() const { return server_->first_token(); }
     std::filesystem::path data() const { return folder_.path(); }
-    void stop();  // returns when it has
+    void stop();  // returns when the server has stopped
     void reload_certificate() { server_->reload_certificate(); }
 
-    // One request over a connection of its own; a token "" is not sent.
+    // Sends one request over a new connection; sends no token if it is "".
     RawResponse request(const std::string& method,
                         const std::string& target,
                         const std::string& token,
@@ -38,11 +38,11 @@ public:
                           const nlohmann::json& body) const;
 
     std::string make_token(const std::string& project, const std::vector<std::string>& scopes);
-    // A dive that is ready, without the way through upload and worker.
+    // Creates a dive in state ready, without upload and worker, and returns its id.
     std::string make_dive(const std::string& project,
                           const std::string& archive_sha256,
                           const storage::IntakeResult& intake = {});
-    // A succeeded reconstruction of a new dive with one artifact.
+    // Creates a succeeded reconstruction of a new dive with one artifact, and returns its id.
     std::string make_job(const std::string& project,
                          const std::string& artifact_name,
                          const std::string& bytes);
@@ -58,13 +58,13 @@ private:
     std::thread thread_;
 };
 
-// Upload by hand: the headers of tus.
+// The headers of tus, for uploads by single requests.
 Headers tus_headers(const std::string& token, Headers more = {});
 Headers patch_headers(const std::string& token, std::int64_t offset);
 std::string create_upload(int port,
                           const std::string& token,
                           std::int64_t length,
-                          const std::string& metadata = "");  // its path
+                          const std::string& metadata = "");  // returns its path
 std::int64_t upload_offset(int port, const std::string& token, const std::string& path);
 
 std::string random_bytes(std::size_t size, unsigned seed = 1);

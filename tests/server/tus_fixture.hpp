@@ -31,7 +31,7 @@ protected:
     RawResponse terminate(const std::string& path) {
         return RawClient(server.port()).request("DELETE", path, tus_headers(token));
     }
-    // A complete partial upload; its path.
+    // Creates a complete partial upload and returns its path.
     std::string make_part(std::string_view content) {
         const auto made = create({{"Upload-Length", std::to_string(content.size())},
                                   {"Upload-Concat", "partial"},
@@ -40,7 +40,7 @@ protected:
         EXPECT_EQ(made.status, 201) << made.body;
         return made.header("location");
     }
-    // Upload-Concat of the whole.
+    // Returns the header Upload-Concat of the final upload.
     static std::string final_of(const std::vector<std::string>& parts) {
         std::string concat = "final;";
         for (const auto& part : parts) concat += (concat.ends_with(';') ? "" : " ") + part;

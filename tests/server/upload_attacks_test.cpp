@@ -120,7 +120,7 @@ TEST_F(TusTest, LengthsBeyondEveryBoundAreRefused) {
 
 // Eight clients send the same upload from the same offset at once: one wins each time, the others
 // are told so, and the bytes are those of whoever won (S12).
-TEST_F(TusTest, ManyWhoSendTheSameBytesAtOnceDoNoHarm) {
+TEST_F(TusTest, ConcurrentClientsWithTheSameBytesDoNoHarm) {
     const auto path = create_upload(server.port(), token, 300'000, "commit");
     std::vector<std::thread> clients;
     std::atomic<int> num_broken = 0;

@@ -11,8 +11,7 @@
 
 namespace divemesh {
 
-// A WebSocket of Beast's own, read and written one frame after the other. What takes longer than
-// 20 s throws.
+// A blocking WebSocket client of Beast. Throws if a read takes longer than 20 s.
 class WebSocketClient {
 public:
     WebSocketClient(int port, const std::string& token, const std::string& target) {
@@ -48,7 +47,7 @@ public:
         socket_.binary(true);
         socket_.write(boost::asio::buffer(bytes));
     }
-    unsigned close_code() {  // reads until the server says goodbye
+    unsigned close_code() {  // reads until the server closes
         boost::beast::error_code error;
         for (boost::beast::flat_buffer buffer; !error;) socket_.read(buffer, error);
         return socket_.reason().code;

@@ -61,7 +61,7 @@ TEST(Catalog, LosesNothingThatWasCommittedToAPowerCut) {
     EXPECT_EQ(text_of(catalog, "PRAGMA foreign_keys"), "1");
 }
 
-TEST(Catalog, WhoMustNotWaitReadsBesideAWriterAndNeverForOne) {
+TEST(Catalog, ANonBlockingReadDoesNotWaitForAWriter) {
     const TemporaryFolder folder;
     const std::string url = (folder / "catalog.db").string();
     Catalog catalog(url);
@@ -76,7 +76,7 @@ TEST(Catalog, WhoMustNotWaitReadsBesideAWriterAndNeverForOne) {
     EXPECT_EQ(text_of(read_nonblocking, "SELECT newest FROM event_sequence"), "7");
 }
 
-TEST(Catalog, WhoMustNotWaitGetsNoConnectionThatIsInUse) {
+TEST(Catalog, ANonBlockingReadGetsNoConnectionInUse) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
     Catalog read_nonblocking = catalog.read_nonblocking();
@@ -89,7 +89,7 @@ TEST(Catalog, WhoMustNotWaitGetsNoConnectionThatIsInUse) {
     EXPECT_EQ(text_of(read_nonblocking, "SELECT newest FROM event_sequence"), "0");
 }
 
-TEST(Catalog, WhoMustNotWaitFindsAConnectionOfThoseThatAreReserved) {
+TEST(Catalog, ANonBlockingReadUsesAReservedConnection) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
     Catalog read_nonblocking = catalog.read_nonblocking();
@@ -105,8 +105,8 @@ TEST(Catalog, WhoMustNotWaitFindsAConnectionOfThoseThatAreReserved) {
     });
 }
 
-// Whoever read at once left the connection as it was: writers on it wait again.
-TEST(Catalog, AConnectionWaitsAgainAfterSomebodyWhoMustNot) {
+// A non-blocking read restores the timeout of its connection.
+TEST(Catalog, ABlockingReadWaitsAfterANonBlockingOne) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
     Catalog read_nonblocking = catalog.read_nonblocking();

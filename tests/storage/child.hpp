@@ -13,8 +13,8 @@
 
 namespace divemesh::storage {
 
-// A process that waits until it is let go and then does its work with stores of its own. Made
-// before this process opens the catalog: SQLite must not be carried over a fork.
+// A child process that waits for go() and then runs `work` with its own stores. Make it before this
+// process opens the catalog: SQLite does not survive a fork.
 class Child {
 public:
     Child(const std::string& url, const std::function<void(Stores&)>& work) {

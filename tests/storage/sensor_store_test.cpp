@@ -137,7 +137,7 @@ TEST_F(SensorStoreTest, WhatComesLateIsWhereItBelongsWhateverTheDevicesClockSays
     EXPECT_NEAR(static_cast<double>(found.back()), static_cast<double>(now), 1000.0);
 }
 
-TEST_F(SensorStoreTest, OfABootThatIsOverTheDevicesClockCountsUnlessItCannotBe) {
+TEST_F(SensorStoreTest, UsesTheDevicesClockForAnEarlierBootUnlessItIsAbsurd) {
     const std::int64_t hour_ago_ms = now_ms() - 3'600'000;
     SensorMessage dated = historical(status(0, 5000));
     dated.time_ms = hour_ago_ms;
@@ -194,7 +194,7 @@ TEST_F(SensorStoreTest, AlarmsAreToldWhenTheyBeginAndEnd) {
                             "battery over"));
 }
 
-TEST_F(SensorStoreTest, AMetricThatTremblesAboutItsLimitIsToldOnce) {
+TEST_F(SensorStoreTest, AMetricThatOscillatesAboutItsLimitRaisesOneAlarm) {
     for (int i = 0; i < 40; ++i)
         send("a", {status(i, 1000 * i, {{"battery", i % 2 == 0 ? 0.201 : 0.199}})});
     EXPECT_THAT(told(), ElementsAre("online", "battery raised"));
@@ -249,7 +249,7 @@ TEST_F(SensorStoreTest, WhatADeviceHasLostIsAcknowledged) {
     EXPECT_EQ(outcomes.at(0).answer.num_lost, 10);
 }
 
-TEST_F(SensorStoreTest, WhatWasGivenUpAndComesAfterAllIsKeptOnce) {
+TEST_F(SensorStoreTest, ALostMessageThatArrivesLaterIsKeptOnce) {
     send("a", {status(10, 10'000)});
     sensors_.receive({{"aqua", "default", {"a", {}, {{0, 9}}}}});
     EXPECT_EQ(send("a", {historical(status(4, 4'000))}).num_new, 1);

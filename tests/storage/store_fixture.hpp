@@ -28,7 +28,7 @@ struct Stores {
         return uploads_.advance(upload.id, 10);
     }
 
-    // What the server asks for once `upload` is complete; recordings differ by `content`.
+    // Returns the server's request once `upload` is complete; recordings differ by `content`.
     static NewDive request(const Upload& upload,
                            const std::string& content,
                            const std::string& preset = "") {
@@ -46,7 +46,7 @@ struct Stores {
         return dives_.create(request(finished_upload(), content, preset));
     }
 
-    // A dive that intake has found good.
+    // Creates a dive whose intake has succeeded.
     Dive ready_dive(const std::string& content = "wreck") {
         const Dive dive = create_dive(content).dive;
         finish_intake(dive);
@@ -60,7 +60,7 @@ struct Stores {
         ASSERT_TRUE(jobs_.finish_intake(claim->lease, result));
     }
 
-    // Never the same work twice.
+    // Enqueues a reconstruction that differs from all others.
     Job enqueue(const Dive& dive, int max_attempts = 3) {
         NewJob job = work_on(dive);
         job.max_attempts = max_attempts;
@@ -78,7 +78,8 @@ struct Stores {
         return std::move(*claim);
     }
 
-    // A running reconstruction whose lease has been lost to `winner`.
+    // The leases of a running reconstruction: an expired one, and the one of the worker that took
+    // over.
     struct TwoWorkers {
         Lease stale;
         Lease winner;
@@ -114,12 +115,13 @@ protected:
     TemporaryFolder folder_;
 };
 
-// The stores in a folder of their own.
+// A test with all stores in a temporary folder.
 class StoreTest : public testing::Test, protected InFolder, protected Stores {
 protected:
     StoreTest() : Stores(url()) {}
 };
 
+// Returns success if `act` throws an Error of this code.
 inline testing::AssertionResult throws_code(ErrorCode code, const std::function<void()>& act) {
     try {
         act();

@@ -23,10 +23,12 @@ inline Eigen::Isometry3d above_floor(double x_m, double y_m, double yaw_rad) {
     return T_world_cam;
 }
 
-// A dive over the floor as a tracker passes it on: poses that drift along x by a share of the way,
-// one keyframe a second, and landmarks that live for three keyframes, measured without noise.
+// A dive over the floor as the result of a tracker: poses that drift along x by a share of the path
+// length, one keyframe a second, and landmarks that live for three keyframes, observed without
+// noise.
 struct FloorSwim {
-    // Takes the images from the poses `shown`: other than `path` where the floor has moved.
+    // Renders the images from the poses `shown`, which differ from `path` where the floor has
+    // moved.
     FloorSwim(const SeaFloor& floor, const Path& path, double drift, const Path& shown)
         : T_world_cam(path) {
         track.rig = small_rig();

@@ -35,7 +35,7 @@ public:
         return sum;
     }
 
-    // Returns the image of a camera, with the depth of every pixel.
+    // Renders the image of a camera, with the depth of every pixel.
     types::KeyframeImages look(const Eigen::Isometry3d& T_world_cam) const {
         const types::RectifiedRig rig = small_rig();
         cv::Mat gray(rig.height_px, rig.width_px, CV_8U);

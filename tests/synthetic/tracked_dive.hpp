@@ -13,8 +13,8 @@ namespace divemesh::synthetic {
 // Returns T_world_cam at a frame, ten frames per second.
 using PathOfFrames = std::function<Eigen::Isometry3d(double frame)>;
 
-// Returns a path, that of stereo_world.hpp by default, as a tracker's result: odometry without
-// error, every fifth frame a keyframe, true landmarks, observed with the noise of features.
+// Returns the result of a tracker on a path, by default that of stereo_world.hpp: odometry without
+// error, every fifth frame a keyframe, and true landmarks observed with the noise of features.
 inline types::Track tracked_dive(int num_keyframes, const PathOfFrames& path = T_world_cam) {
     constexpr int kStep = 5;
     constexpr double kNoise_px = 0.25;

@@ -12,8 +12,7 @@
 
 namespace divemesh::synthetic {
 
-// The true change of height between two scenes, from their own geometry, on the cells that a
-// comparison compared.
+// The true change of height between two scenes, from their geometry, in the cells of a comparison.
 class TrueChange {
 public:
     struct Sums {

@@ -3,15 +3,17 @@
 namespace divemesh::base {
 
 // The instruction sets that inner loops are compiled for; each contains the ones before. All give
-// the same integers: a loop is one source, compiled once per set. Loops that gain nothing from the
-// widest set use the next narrower one.
+// the same integers: a loop is one source, compiled once per set (compiled_for). Loops that gain
+// nothing from the widest set use the next narrower one. The rows of semi-global matching alone
+// name instructions, which no compiler finds in C++: counts of bits by shuffles, tables of a
+// register.
 enum class Instructions { Baseline, Avx2, Avx512 };
 
 // Returns the widest set that this machine can run.
 inline Instructions best_instructions() {
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl") &&
-        __builtin_cpu_supports("avx512bitalg"))
+        __builtin_cpu_supports("avx512bitalg") && __builtin_cpu_supports("avx512vbmi"))
         return Instructions::Avx512;
     if (__builtin_cpu_supports("avx2")) return Instructions::Avx2;
 #endif

@@ -4,6 +4,7 @@
 #include <ceres/normal_prior.h>
 #include <ceres/solver.h>
 #include <cmath>
+#include <utility>
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/camera/rerectifier.hpp"
@@ -39,6 +40,7 @@ constexpr double kStepSigma_rad = 3.0;
 // focal length. On exact calibrations the error of the focal length is up to 24 times the sigma of
 // independent errors. So images get less weight here, and careful calibrations more.
 constexpr double kSystematic = 5.0;  // sigma of a feature relative to that of independent errors
+
 // Returns the angular velocity, rad/s; the time must lie between two samples.
 Eigen::Vector3d rate_at(const std::vector<types::ImuSample>& samples, std::int64_t time_ns) {
     const auto after = std::upper_bound(samples.begin() + 1,
@@ -85,16 +87,20 @@ CalibrationProblem::CalibrationProblem(const types::Track& track,
 types::SolverOutcome CalibrationProblem::solve(bool free_lenses,
                                                const base::ProgressCallback& progress,
                                                const Progress& at) {
-    for (int i = 0; i + 1 < kMaxRounds; ++i) {
-        const Round done = round(free_lenses, false, progress, at);
-        if (done.still) return done.outcome;
+    using Termination = types::SolverOutcome::Termination;
+    types::SolverOutcome whole;
+    for (int i = 1; i <= kMaxRounds; ++i) {
+        Round done = round(free_lenses, i == kMaxRounds, progress, at);
+        if (i > 1) done.outcome.initial_cost = whole.initial_cost;
+        done.outcome.num_iterations += whole.num_iterations;
+        whole = std::move(done.outcome);
+        if (done.still) return whole;
     }
-    Round last = round(free_lenses, true, progress, at);
-    if (!last.still && !last.outcome.failed()) {
-        last.outcome.termination = types::SolverOutcome::Termination::StoppedAtLimit;
-        last.outcome.message = "the calibration still moved in the last round";
+    if (!whole.failed()) {
+        whole.termination = Termination::StoppedAtLimit;
+        whole.message = "the calibration still moved in the last round";
     }
-    return last.outcome;
+    return whole;
 }
 
 CalibrationProblem::Round CalibrationProblem::round(bool free_lenses,
@@ -134,8 +140,12 @@ CalibrationProblem::Round CalibrationProblem::round(bool free_lenses,
     callback.rethrow();
     const bool still = std::abs(unknowns_.time_offset_s - before.time_offset_s) < kConverged_s &&
                        shift_px(unknowns_.lenses - before.lenses) < kConverged_px;
-    if (still || last) find_sigmas(problem, free_lenses);
-    return {optimisation::outcome_of(summary), still};
+    types::SolverOutcome outcome = optimisation::outcome_of(summary);
+    if ((still || last) && !outcome.failed() && !find_sigmas(problem, free_lenses)) {
+        outcome.termination = types::SolverOutcome::Termination::Failed;
+        outcome.message = "the measurements do not determine all unknowns";
+    }
+    return {outcome, still};
 }
 
 std::array<camera::RectifiedLens, 2> CalibrationProblem::lenses() const {
@@ -261,7 +271,7 @@ std::vector<double*> CalibrationProblem::kept_blocks() {
     return blocks;
 }
 
-void CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) {
+bool CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) {
     std::vector<double*> kept;
     for (double* block : kept_blocks())
         if (problem.HasParameterBlock(block)) kept.push_back(block);
@@ -270,7 +280,7 @@ void CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) 
     const optimisation::ReducedInformation information = optimisation::reduced_information(
         problem, kept, points, free_lenses ? kHuber / kSystematic : kHuber);
     const auto inverse = optimisation::SparseInverse::of(information.lower);
-    if (!inverse) return;
+    if (!inverse) return false;
     const auto covariance = [&](const double* block, int size) -> Eigen::MatrixXd {
         const auto at = std::find(kept.begin(), kept.end(), block) - kept.begin();
         const int start =
@@ -280,6 +290,7 @@ void CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) 
     sigmas_.lenses = covariance(unknowns_.lenses.data(), LensReprojection::kNumChanges);
     sigmas_.misalignment = covariance(unknowns_.misalignment.data(), 3);
     sigmas_.time_offset_s = std::sqrt(covariance(&unknowns_.time_offset_s, 1)(0, 0));
+    return true;
 }
 
 double CalibrationProblem::shift_px(const LensChanges& changes) const {

@@ -43,8 +43,9 @@ public:
                        const imu::InertialPrior& inertial);
 
     // Solves in rounds of least squares, each linearised in time offset and lenses at the last
-    // result. Returns how the last round ended; StoppedAtLimit also if the unknowns still changed
-    // in it.
+    // result. Returns how the last round ended, with the iterations and the first cost of them all;
+    // StoppedAtLimit also if the unknowns still changed in it, Failed also if they have no
+    // covariance.
     types::SolverOutcome solve(bool free_lenses,
                                const base::ProgressCallback& progress,
                                const Progress& at);
@@ -77,7 +78,8 @@ private:
     // Adds very weak factors between keyframes that no landmark connects, where the scene was lost.
     void add_odometry(ceres::Problem& problem);
     void add_priors(ceres::Problem& problem, bool free_lenses);
-    void find_sigmas(ceres::Problem& problem, bool free_lenses);
+    // Returns false if the information matrix cannot be factorised.
+    bool find_sigmas(ceres::Problem& problem, bool free_lenses);
     LensReprojection::Shift shift_of(const std::array<camera::RectifiedLens, 2>& lenses,
                                      const Eigen::Vector3d& measured_px) const;
     std::array<camera::RectifiedLens, 2> lenses() const;

@@ -177,7 +177,8 @@ optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& r
         is_aligned(alignment) ? kAlignedRotationSigma : kStereoRotationSigma;
     for (const int axis : {0, 2})
         result.covariance(kStereo + axis, kStereo + axis) = rotation_sigma * rotation_sigma;
-    result.covariance(kBaseline, kBaseline) = kBaselineSigma * kBaselineSigma;
+    result.covariance(kBaseline, kBaseline) =
+        std::pow(kBaselineSigma, 2) + std::pow(rig.right_delay_baseline_sigma, 2);
     result.covariance.block<3, 3>(kImu, kImu) = of_imu_rotation(rig, refined.calibration);
     if (rig.imu_noise)
         result.covariance.block<3, 3>(kLeverArm, kLeverArm)

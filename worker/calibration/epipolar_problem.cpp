@@ -3,18 +3,19 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/camera/rectified_lens.hpp"
+#include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::calibration {
 namespace {
 
 constexpr int kNumSteps = 12;
 constexpr int kNumPlainSteps = 3;  // at equal weights, to come near enough for the robust ones
-constexpr double kSigmaOfMad = 1.4826;
 constexpr double kMinError_px = 0.05;
-constexpr double kTukey = 4.685;
 // How far a rig may have been knocked: a degree, and a millimetre of a baseline of 120 mm.
 constexpr double kRotationSigma_rad = 0.0175;
 constexpr double kBaselineSigma_rad = 0.0087;
@@ -51,15 +52,7 @@ LensTerms lens_terms(const types::RectifiedRig& rig, const Eigen::Vector2d& righ
 double robust_sigma(const std::vector<double>& errors) {
     std::vector<double> sizes(errors.size());
     std::ranges::transform(errors, sizes.begin(), [](double error) { return std::abs(error); });
-    const auto middle = sizes.begin() + std::ssize(sizes) / 2;
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    return std::max(kMinError_px, kSigmaOfMad * *middle);
-}
-
-double tukey_weight(double error, double sigma) {
-    const double share = error / (kTukey * sigma);
-    const double rest = std::max(0.0, 1.0 - share * share);
-    return rest * rest;
+    return std::max(kMinError_px, stats::kSigmasPerMad * stats::upper_median(std::move(sizes)));
 }
 
 }  // namespace
@@ -150,7 +143,7 @@ EpipolarSolution EpipolarProblem::solve(const Held& held, double lens_sigma_px) 
         solution.error_px = robust_sigma(errors);
         if (step < kNumPlainSteps) continue;
         std::ranges::transform(errors, solution.weights.begin(), [&](double error) {
-            return tukey_weight(error, solution.error_px);
+            return stats::tukey_weight(error, stats::kTukey * solution.error_px);
         });
     }
     const NormalEquations last = equations(solution, held, prior);

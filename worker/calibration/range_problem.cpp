@@ -6,6 +6,8 @@
 #include <cmath>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::calibration {
 namespace {
@@ -14,8 +16,6 @@ constexpr int kNumSteps = 15;
 constexpr int kNumPose = 6;
 constexpr int kNumAll = kNumPose + kNumRangeUnknowns;
 constexpr std::size_t kMinMatches = 15;  // of a window
-constexpr double kMedianChi = 1.5382;    // of three degrees of freedom
-constexpr double kTukey = 4.685;
 constexpr double kMinError_px = 0.03;
 constexpr double kMinDisparity = 1e-3;  // of the focal length
 
@@ -163,17 +163,11 @@ private:
         for (const Window& window : windows_)
             for (const Sample& sample : window.samples) sizes.push_back(size_of(sample, window));
         if (sizes.empty()) return;
-        std::vector<double> sorted = sizes;
-        const auto middle = sorted.begin() + std::ssize(sorted) / 2;
-        std::nth_element(sorted.begin(), middle, sorted.end());
-        error_px_ = std::max(kMinError_px, *middle / kMedianChi);
+        error_px_ = std::max(kMinError_px, stats::upper_median(sizes) / stats::kMedianNormOfThree);
         auto size = sizes.begin();
         for (Window& window : windows_)
-            for (double& weight : window.weights) {
-                const double share = *size++ / (kTukey * error_px_);
-                const double rest = std::max(0.0, 1.0 - share * share);
-                weight = rest * rest;
-            }
+            for (double& weight : window.weights)
+                weight = stats::tukey_weight(*size++, stats::kTukey * error_px_);
     }
 
     double size_of(const Sample& sample, const Window& window) const {

@@ -2,14 +2,10 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "worker/base/rotation_vector.hpp"
+
 namespace divemesh::camera {
 namespace {
-
-Eigen::Matrix3d cross_product(const Eigen::Vector3d& v) {
-    Eigen::Matrix3d m;
-    m << 0.0, -v.z(), v.y(), v.z(), 0.0, -v.x(), -v.y(), v.x(), 0.0;
-    return m;
-}
 
 // Returns the homography that maps pixels of a right image of the left one's time to those of the
 // late one, for points at the compensated disparity.
@@ -22,7 +18,7 @@ Eigen::Matrix3d homography(const types::ExposureMotion& between) {
     const Eigen::Vector3d right_translation_m =
         between.translation_m +
         between.rotation_rad.cross(Eigen::Vector3d(rig.baseline_m, 0.0, 0.0));
-    Eigen::Matrix3d motion = Eigen::Matrix3d::Identity() + cross_product(between.rotation_rad);
+    Eigen::Matrix3d motion = Eigen::Matrix3d::Identity() + base::cross_matrix(between.rotation_rad);
     motion.col(2) += right_translation_m / rig.depth_m(between.compensated_disparity_px);
     return K * motion * K.inverse();
 }
@@ -33,8 +29,8 @@ types::ExposureMotion exposure_motion(const types::RectifiedRig& rig,
                                       const Eigen::Isometry3d& T_current_previous,
                                       double share,
                                       double compensated_disparity_px) {
-    const Eigen::AngleAxisd turned(T_current_previous.linear());
-    const Eigen::Vector3d rotation_rad = turned.angle() * turned.axis();
+    const Eigen::Vector3d rotation_rad =
+        base::vector_from_rotation(Eigen::Quaterniond(T_current_previous.linear()));
     const Eigen::Vector3d t = T_current_previous.translation();
     // The translation of the twist, to second order.
     return {rig,

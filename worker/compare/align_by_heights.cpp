@@ -5,6 +5,7 @@
 #include <numbers>
 #include <opencv2/core.hpp>
 
+#include "worker/base/angle.hpp"
 #include "worker/base/parallel.hpp"
 #include "worker/compare/coarse_alignment.hpp"
 
@@ -18,7 +19,7 @@ constexpr double kMinOverlap = 0.2;  // of the smaller surface
 constexpr std::size_t kMaxCoarseAlignments = 5;
 constexpr std::size_t kPerHeading = 3;
 constexpr double kApart_m = 0.5;
-constexpr double kApart_rad = 12.0 * std::numbers::pi / 180.0;
+constexpr double kApart_rad = 12.0 * base::kRadPerDeg;
 
 // Heights of the highest vertices, 0 outside the mask; row 0 has the smallest y.
 struct Heights {

@@ -9,6 +9,7 @@
 #include "worker/compare/label_changes.hpp"
 #include "worker/compare/outlined_cells.hpp"
 #include "worker/io/csv_cell.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::compare {
 namespace {
@@ -77,7 +78,8 @@ public:
             const double half =
                 part.num_sigma *
                 std::hypot(noise_m3(sums, changes_.noise), registration_m3(sums) + part.outline_m3);
-            const double undetected = std::max(0.0, sign * rest.volume_m3 + 1.96 * rest_sigma_m3);
+            const double undetected =
+                std::max(0.0, sign * rest.volume_m3 + stats::kNormal975 * rest_sigma_m3);
             metrics.push_back(change_json(
                 whose,
                 {grown ? "grown_volume" : "lost_volume", "m3", "of the patches within the outline"},
@@ -93,8 +95,8 @@ public:
 private:
     struct Part {
         cv::Mat cells;
-        double outline_m3 = 0.0;  // standard deviation, shared by all patches
-        double num_sigma = 1.96;  // the max of all patches
+        double outline_m3 = 0.0;               // standard deviation, shared by all patches
+        double num_sigma = stats::kNormal975;  // the max of all patches
     };
 
     Part of_patches(const cv::Rect& window, const cv::Mat& seen, bool grown) const {

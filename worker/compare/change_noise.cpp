@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/stats/distributions.hpp"
 #include "worker/stats/quantile.hpp"
 
 namespace divemesh::compare {
@@ -51,7 +52,7 @@ ChangeNoise measure_noise(const ChangeMap& map, const cv::Mat& counts) {
         if (sizes.size() < kMinBlocks) break;
         for (double& size : sizes) size = std::abs(size);
         const double sigma = std::max(stats::lower_quantile(sizes, 0.683),
-                                      stats::lower_quantile(sizes, 0.95) / 1.96);
+                                      stats::lower_quantile(sizes, 0.95) / stats::kNormal975);
         steps.push_back({side * map.grid.cell_m, sigma, sizes.size()});
     }
     return ChangeNoise(std::move(steps));

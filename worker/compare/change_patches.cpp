@@ -6,24 +6,16 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/compare/change_sums.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::compare {
 namespace {
 
-constexpr double k95 = 1.96;
 constexpr double kBlock_m = 0.15;  // over which noise is small against the change it hides
 
 // Returns the number of standard deviations that a normal error exceeds, on either side, with this
 // probability.
-double exceeded_with(double probability) {
-    double low = 0.0;
-    double high = 10.0;
-    for (int i = 0; i < 60; ++i) {
-        const double middle = 0.5 * (low + high);
-        (std::erfc(middle / std::sqrt(2.0)) > probability ? low : high) = middle;
-    }
-    return low;
-}
+double exceeded_with(double probability) { return -stats::normal_quantile(0.5 * probability); }
 
 double compared_m2(const ChangeMap& map) {
     return cv::countNonZero(cells_with_value(map.change_m)) * map.grid.cell_m * map.grid.cell_m;
@@ -81,7 +73,7 @@ Undetected undetected(const ChangeMap& map, const cv::Mat& counts, const ChangeN
             variance += kVariancePart * noise_of_block_m3 * noise_of_block_m3;
             shared_m3 += registration_m3(of_block);
         }
-    const double uncertainty_m3 = k95 * std::hypot(std::sqrt(variance), shared_m3);
+    const double uncertainty_m3 = stats::kNormal975 * std::hypot(std::sqrt(variance), shared_m3);
     for (double* sum : {&sums.rise_m3, &sums.fall_m3})
         *sum = std::max(0.0, *sum - expected_m3) + uncertainty_m3;
     return sums;
@@ -193,7 +185,7 @@ private:
     // rounds off or fills the foot of steep objects, in the same way everywhere.
     static double outline_m3(const stats::Estimate& area_m2, const ChangeSums& sums) {
         return std::abs(sums.volume_m3) / std::max(1e-12, area_m2.value) * 0.5 *
-               (area_m2.high - area_m2.low) / k95;
+               (area_m2.high - area_m2.low) / stats::kNormal975;
     }
     void measure(std::size_t i) {
         const Found& found = found_[i];
@@ -233,8 +225,8 @@ private:
     // gets as many standard deviations as an error exceeds with 0.05 times their share of all
     // (Benjamini and Yekutieli 2005).
     double num_sigma(double area_m2) const {
-        const double num_pieces = std::max(1.0, ground_m2_ / std::max(1e-12, area_m2));
-        const double share = static_cast<double>(found_.size()) / num_pieces;
+        const double num_parts = std::max(1.0, ground_m2_ / std::max(1e-12, area_m2));
+        const double share = static_cast<double>(found_.size()) / num_parts;
         return exceeded_with(0.05 * std::min(1.0, share));
     }
 
@@ -275,7 +267,7 @@ private:
                 ++total.num_patches;
                 total.volume_m3.value += patch.volume_m3.value;
                 low += patch.volume_m3.low;
-                noise = std::hypot(noise, patch.num_sigma / k95 * noises_[i]);
+                noise = std::hypot(noise, patch.num_sigma / stats::kNormal975 * noises_[i]);
                 registration += registrations_[i];
                 total.area_m2.value += patch.area_m2.value;
                 total.area_m2.low += patch.area_m2.low;

@@ -5,6 +5,7 @@
 
 #include "worker/compare/change_map.hpp"
 #include "worker/compare/change_noise.hpp"
+#include "worker/stats/distributions.hpp"
 #include "worker/stats/estimate.hpp"
 
 namespace divemesh::compare {
@@ -19,9 +20,9 @@ struct ChangePatch {
     Eigen::AlignedBox2d box_m;
     double mean_change_m = 0.0;
     double largest_change_m = 0.0;
-    double num_sigma = 1.96;  // standard deviations on either side of the volume
-    double outline_m = 0.0;   // standard deviation of the mean change, from the uncertain outline
-    double hidden_m2 = 0.0;   // area beside it that one dive did not see
+    double num_sigma = stats::kNormal975;  // standard deviations on either side of the volume
+    double outline_m = 0.0;  // standard deviation of the mean change, from the uncertain outline
+    double hidden_m2 = 0.0;  // area beside it that one dive did not see
 };
 
 // All patches of one sign together.

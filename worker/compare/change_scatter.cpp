@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/stats/quantile.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::compare {
 namespace {
@@ -53,7 +54,7 @@ cv::Mat classes_of(const ChangeMap& map,
 
 double robust_sigma(std::vector<float>& sizes) {
     if (sizes.empty()) return 0.0;
-    return std::max(static_cast<double>(stats::lower_quantile(sizes, 0.5)) / 0.6745,
+    return std::max(static_cast<double>(stats::lower_quantile(sizes, 0.5)) * stats::kSigmasPerMad,
                     static_cast<double>(stats::lower_quantile(sizes, 0.8)) / 1.2816);
 }
 

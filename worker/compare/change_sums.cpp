@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/stats/distributions.hpp"
+
 namespace divemesh::compare {
 
 ChangeSums sum_over(const ChangeMap& map, const cv::Mat& cells) {
@@ -40,7 +42,7 @@ double noise_m3(const ChangeSums& sums, const ChangeNoise& noise) {
 double registration_m3(const ChangeSums& sums) { return sums.area_m2 * sums.registration_m; }
 
 stats::Estimate interval(double value, double noise, double shared) {
-    const double half = 1.96 * std::hypot(noise, shared);
+    const double half = stats::kNormal975 * std::hypot(noise, shared);
     return {value, value - half, value + half};
 }
 

@@ -15,6 +15,7 @@
 #include "worker/compare/compare_report.hpp"
 #include "worker/io/mesh_check.hpp"
 #include "worker/mesh/mean_edge.hpp"
+#include "worker/stats/distributions.hpp"
 #include "worker/stats/quantile.hpp"
 
 namespace divemesh::compare {
@@ -131,7 +132,7 @@ Distances measure(const types::Mesh& a,
         .reach_m = static_cast<float>(options.reach_m),
         .independent_m = cube_m,  // a cylinder is seen through one patch of the images
         .registration95_m = [&](const Eigen::Vector3f& p, const Eigen::Vector3f& n) {
-            return static_cast<float>(1.96 *
+            return static_cast<float>(stats::kNormal975 *
                                       registration.sigma_m(p.cast<double>(), n.cast<double>()));
         }};
     Distances distances;

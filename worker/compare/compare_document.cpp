@@ -1,16 +1,15 @@
 #include "worker/compare/compare_document.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "worker/base/angle.hpp"
 #include "worker/compare/change_metric.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::compare {
 namespace {
 
 using nlohmann::json;
-
-constexpr double k95 = 1.96;
 
 json dive_of(const io::ReconstructionFolder& folder) {
     const json& metrics = folder.metrics();
@@ -29,8 +28,9 @@ json to_json(const stats::Estimate& estimate) { return estimate_json(estimate); 
 
 json to_json(const CoRegistration& fit) {
     const Eigen::Quaterniond q(fit.T_a_b.linear());
-    const auto bound = [&](int i) { return k95 * std::sqrt(std::max(0.0, fit.covariance(i, i))); };
-    constexpr double kDegrees = 180.0 / std::numbers::pi;
+    const auto bound = [&](int i) {
+        return stats::kNormal975 * std::sqrt(std::max(0.0, fit.covariance(i, i)));
+    };
     return {{"method", fit.method},
             {"T_a_b",
              {{"position_m", to_json(Eigen::Vector3d(fit.T_a_b.translation()))},
@@ -46,8 +46,8 @@ json to_json(const CoRegistration& fit) {
               {"x_m", bound(3)},
               {"y_m", bound(4)},
               {"z_m", bound(5)},
-              {"tilt_deg", kDegrees * std::hypot(bound(0), bound(1))},
-              {"heading_deg", kDegrees * bound(2)}}}};
+              {"tilt_deg", base::kDegPerRad * std::hypot(bound(0), bound(1))},
+              {"heading_deg", base::kDegPerRad * bound(2)}}}};
 }
 
 json to_json(const ChangeTotal& total) {

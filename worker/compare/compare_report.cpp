@@ -39,7 +39,7 @@ json totals(const json& document) {
         const std::string name(kind);
         rows.emplace_back(name + ", patches", std::to_string(total.at("num_patches").get<int>()));
         rows.emplace_back(name + ", volume, litres (95 %)", bounds(total.at("volume_m3"), 1e3, 2));
-        rows.emplace_back(name + ", of it undetected at most, litres",
+        rows.emplace_back(name + ", undetected volume at most, litres",
                           base::fixed(1e3 * total.at("undetected_m3").get<double>(), 2));
         rows.emplace_back(name + ", area, cm² (95 %)", bounds(total.at("area_m2"), 1e4, 0));
     }
@@ -89,8 +89,7 @@ json registration(const json& document) {
     rows.emplace_back("uncertainty (95 %), tilt, heading",
                       base::fixed(at(fit, "/uncertainty95/tilt_deg"), 3) + "°, " +
                           base::fixed(at(fit, "/uncertainty95/heading_deg"), 3) + "°");
-    rows.emplace_back("patches that err independently",
-                      std::to_string(fit.at("num_patches").get<int>()));
+    rows.emplace_back("independent patches", std::to_string(fit.at("num_patches").get<int>()));
     return report::rows_values(rows);
 }
 
@@ -137,7 +136,7 @@ double display_factor(const json& metric) { return metric.at("unit") == "m3" ? 1
 
 json label_changes(const json& metrics) {
     std::vector<std::vector<std::string>> rows = {
-        {"label", "figure", "earlier (95 %)", "later (95 %)", "change (95 %)"}};
+        {"label", "metric", "earlier (95 %)", "later (95 %)", "change (95 %)"}};
     for (const json& metric : metrics) {
         if (metric.contains("area")) continue;
         const double factor = display_factor(metric);

@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "worker/base/parallel.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::compare {
 namespace {
@@ -115,7 +116,7 @@ std::vector<M3c2Distance> m3c2_distances(const SurfacePoints& core,
             const double variance = of_a.variance_m2 / num_independent(of_a.num, options) +
                                     of_b.variance_m2 / num_independent(of_b.num, options);
             distances[i].lod95_m =
-                static_cast<float>(1.96 * std::sqrt(variance)) +
+                static_cast<float>(stats::kNormal975 * std::sqrt(variance)) +
                 (options.registration95_m ? options.registration95_m(p, normal) : 0.0F);
         }
     });

@@ -39,7 +39,7 @@ struct M3c2Distance {
 
 // Computes M3C2 distances (Lague, Brodu and Leroux 2013). For each core the points of either
 // surface within a cylinder along the normal are projected onto it. The distance is that of their
-// means, and LoD95 = 1.96 sqrt(s1^2 / n1 + s2^2 / n2) + registration. s^2 is the larger of the
+// means, and LoD95 = 1.96 sqrt(s1^2 / n1 + s2^2 / n2) + co-registration. s^2 is the larger of the
 // spread about the mean and of the points' own variance (M3C2-EP, Winiwarter et al. 2021), n the
 // number of independent points: at most the number of squares of `independent_m` in the cylinder's
 // cross-section. If a surface lies in the cylinder in layers, only the layer nearest to the core

@@ -9,6 +9,7 @@
 #include "worker/base/parallel.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::compare {
 namespace {
@@ -16,7 +17,6 @@ namespace {
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
 constexpr float kSameSide = 0.5F;  // min cosine between the normals of partners
-constexpr double kTukey = 4.685;   // 95 % efficient for normal errors
 constexpr double kMinScale_m = 5e-4;
 constexpr double kSettled_m = 1e-5;
 constexpr std::size_t kMinPartners = 100;
@@ -74,7 +74,8 @@ double robust_scale(const std::vector<Partner>& partners) {
     for (const Partner& partner : partners)
         if (partner.found) sizes.push_back(std::abs(partner.residual_m));
     return sizes.empty() ? 0.0
-                         : std::max(kMinScale_m, 1.4826 * stats::upper_median(std::move(sizes)));
+                         : std::max(kMinScale_m,
+                                    stats::kSigmasPerMad * stats::upper_median(std::move(sizes)));
 }
 
 struct Fit {
@@ -93,9 +94,9 @@ Fit linearise(const std::vector<Partner>& partners,
     Fit fit;
     for (const Partner& partner : partners) {
         if (!partner.found) continue;
-        const double u = partner.residual_m / (kTukey * std::hypot(scale_m, partner.sigma_m));
-        if (std::abs(u) >= 1.0) continue;
-        const double biweight = (1.0 - u * u) * (1.0 - u * u);
+        const double biweight = stats::tukey_weight(
+            partner.residual_m, stats::kTukey * std::hypot(scale_m, partner.sigma_m));
+        if (biweight == 0.0) continue;
         const double variance = scale_m * scale_m + partner.sigma_m * partner.sigma_m;
         const double weight = biweight * scale_m * scale_m / variance;
         Vector6d row;

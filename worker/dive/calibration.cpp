@@ -3,8 +3,8 @@
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "worker/base/angle.hpp"
 #include "worker/base/text.hpp"
 #include "worker/camera/projection.hpp"
 #include "worker/dive/entry_name.hpp"
@@ -13,7 +13,6 @@ namespace divemesh::dive {
 namespace {
 
 constexpr double kMaxRigSize_m = 5.0;
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 std::optional<types::Distortion> distortion_from_text(const std::string& text) {
     if (text == "radial-tangential" || text == "radtan" || text == "plumb_bob")
@@ -116,8 +115,8 @@ private:
                             (k.size() == 8 ? ", those of OpenCV's rational model" : "") + ", but " +
                             yaml_.distortion_model + " has 4",
                         "Calibrate again with four coefficients: k1 k2 p1 p2 of radial-tangential, "
-                        "or for wide lenses k1 k2 k3 k4 of equidistant. To leave coefficients out "
-                        "is not enough, as the others depend on them.");
+                        "or for wide lenses k1 k2 k3 k4 of equidistant. Just dropping "
+                        "coefficients is not enough, because the others depend on them.");
         if (*model != types::Distortion::None)
             std::copy_n(k.begin(), 4, camera_.distortion_coefficients.begin());
     }
@@ -146,7 +145,7 @@ private:
         const Eigen::Vector2d centre(camera_.cx_px, camera_.cy_px);
         const auto fails_at = [&](double share) {
             for (int i = 0; i < 16; ++i) {
-                const double angle = i * 22.5 * kDegree;
+                const double angle = i * 22.5 * base::kRadPerDeg;
                 const Eigen::Vector2d border(
                     (0.5 + 0.5 * std::clamp(1.5 * std::cos(angle), -1.0, 1.0)) * camera_.width_px,
                     (0.5 + 0.5 * std::clamp(1.5 * std::sin(angle), -1.0, 1.0)) * camera_.height_px);
@@ -181,7 +180,7 @@ private:
 bool is_stereo(const Eigen::Isometry3d& T_cam0_cam1) {
     const Eigen::Vector3d baseline = T_cam0_cam1.translation();
     const double angle = Eigen::AngleAxisd(T_cam0_cam1.linear()).angle();
-    return baseline.x() > 0.7 * baseline.norm() && angle < 45.0 * kDegree;
+    return baseline.x() > 0.7 * baseline.norm() && angle < 45.0 * base::kRadPerDeg;
 }
 
 std::string metres(const Eigen::Vector3d& v) {
@@ -220,7 +219,7 @@ void check_sides(const CalibratedCamera& cam0, const CalibratedCamera& cam1, Fin
                 " in cam0's frame, above or below it: a rig on its side",
             "Turn the images of both cameras by 90 degrees so that cam1 is to the right of cam0 "
             "(ffmpeg -vf transpose), and calibrate with the turned images.");
-    const double angle_deg = Eigen::AngleAxisd(T_cam0_cam1.linear()).angle() / kDegree;
+    const double angle_deg = Eigen::AngleAxisd(T_cam0_cam1.linear()).angle() * base::kDegPerRad;
     findings.error("cameras_not_stereo",
                    kCam1Yaml,
                    "cam1 is at " + metres(baseline) + " in cam0's frame, turned by " +
@@ -290,10 +289,9 @@ types::ImuNoise imu_noise(const SensorYaml& yaml, const std::string& file, Findi
     take(yaml.accelerometer_noise_density, noise.accelerometer_noise_density);
     take(yaml.accelerometer_random_walk, noise.accelerometer_random_walk);
     if (!all_good)
-        findings.info(
-            "imu_noise_assumed",
-            file,
-            "the noise of the IMU is not or not fully stated; that of a small MEMS is assumed");
+        findings.info("imu_noise_assumed",
+                      file,
+                      "the noise of the IMU is not fully stated; typical MEMS noise is assumed");
     return noise;
 }
 

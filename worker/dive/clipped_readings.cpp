@@ -1,10 +1,10 @@
-#include "worker/imu/clipped_readings.hpp"
+#include "worker/dive/clipped_readings.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-namespace divemesh::imu {
+namespace divemesh::dive {
 namespace {
 
 constexpr std::size_t kMinRows = 10;
@@ -96,4 +96,4 @@ ClippedReadings clipped_forces(const std::vector<types::ImuSample>& samples) {
     });
 }
 
-}  // namespace divemesh::imu
+}  // namespace divemesh::dive

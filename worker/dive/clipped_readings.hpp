@@ -5,7 +5,7 @@
 
 #include "worker/types/recording.hpp"
 
-namespace divemesh::imu {
+namespace divemesh::dive {
 
 // The readings of one sensor of an IMU that stop at the end of its range.
 struct ClippedReadings {
@@ -21,4 +21,4 @@ struct ClippedReadings {
 ClippedReadings clipped_rates(const std::vector<types::ImuSample>& samples);
 ClippedReadings clipped_forces(const std::vector<types::ImuSample>& samples);
 
-}  // namespace divemesh::imu
+}  // namespace divemesh::dive

@@ -43,7 +43,7 @@ void report_steps(const SteppedTable& table, FindingLog& findings) {
             table.file,
             "the clock was set back by " + seconds(step.shift_ns - shift_before_ns) +
                 " after timestamp " + std::to_string(step.last_before_ns) +
-                ". Rows are believed in their order: timestamps from there on are moved by " +
+                ". The order of the rows is kept: timestamps from there on are moved by " +
                 seconds(step.shift_ns) + ", in the results too, as if nothing was lost between",
             "Do not set the clock during a dive. To find a later moment in other records, subtract "
             "the shift from its timestamp in the results.");
@@ -93,7 +93,7 @@ void report_pauses(const std::vector<std::int64_t>& frames_ns,
             "mav0/cam0/data.csv",
             "timestamps jump by " + seconds(pause_ns, 1) + " after frame " + std::to_string(i - 1) +
                 " (" + std::to_string(frames_ns[i - 1]) + "): " + what +
-                "; the dive falls into parts there",
+                "; the dive is split there",
             "Record each part of a dive without a pause, and set the clock before it.");
     }
 }

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/dive/smooth_rates.hpp"
 #include "worker/dive/stereo_rays.hpp"
 #include "worker/dive/track_corners.hpp"
 
@@ -10,8 +11,8 @@ namespace divemesh::dive {
 namespace {
 
 constexpr int kMaxCorners = 250;
-constexpr double kNearest_1_m = 20.0;  // inverse depths beyond these are mismatches
-constexpr double kFarthest_1_m = 0.02;
+constexpr double kMaxInverseDepth_1_m = 20.0;  // inverse depths beyond these are mismatches
+constexpr double kMinInverseDepth_1_m = 0.02;
 
 // Returns `image` with the mean and contrast of `like`, as cameras expose by themselves.
 cv::Mat exposed_like(const cv::Mat& image, const cv::Mat& like) {
@@ -49,9 +50,11 @@ EpipolarMoment sample_epipolar_errors(const types::Rig& rig,
         const Eigen::Vector3d later_ray = rays.left(in_later[i]);
         const Eigen::Vector3d right_ray = rays.right(in_right[i]);
         const double inverse_depth = rays.inverse_depth_1_m(ray, right_ray);
-        if (!(inverse_depth > kFarthest_1_m && inverse_depth < kNearest_1_m)) continue;
+        if (!(inverse_depth > kMinInverseDepth_1_m && inverse_depth < kMaxInverseDepth_1_m))
+            continue;
         EpipolarSample sample;
         sample.ray = ray.head<2>();
+        sample.inverse_depth_1_m = inverse_depth;
         sample.error_px = rays.epipolar_error_px(ray, right_ray);
         sample.rate_px_s =
             (sample.error_px - rays.epipolar_error_px(later_ray, right_ray)) / interval_s;
@@ -60,6 +63,7 @@ EpipolarMoment sample_epipolar_errors(const types::Rig& rig,
         sample.speed_m_s = flow.norm() / inverse_depth;
         moment.samples.push_back(sample);
     }
+    smooth_rates(moment.samples);
     return moment;
 }
 

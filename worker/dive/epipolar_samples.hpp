@@ -12,8 +12,9 @@ namespace divemesh::dive {
 // one again. Pixels are those of the left camera.
 struct EpipolarSample {
     Eigen::Vector2d ray = Eigen::Vector2d::Zero();  // in cam0, at z = 1
+    double inverse_depth_1_m = 0.0;
     double error_px = 0.0;   // signed distance of the right feature from its epipolar line
-    double rate_px_s = 0.0;  // how fast that distance falls as the left feature moves
+    double rate_px_s = 0.0;  // how fast that distance falls as the camera moves
     double flow_px_s = 0.0;  // of the left feature, along the baseline
     double speed_m_s = 0.0;  // of the left feature in space, across the line of sight
 };

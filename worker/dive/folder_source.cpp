@@ -52,13 +52,13 @@ public:
 
 private:
     void list(FileDescriptor folder, const std::string& prefix) {
-        const int descriptor = folder.is_open() ? ::dup(folder.get()) : -1;
-        DIR* const stream = descriptor >= 0 ? ::fdopendir(descriptor) : nullptr;
-        if (stream == nullptr)
+        const std::unique_ptr<DIR, int (*)(DIR*)> stream(
+            folder.is_open() ? ::fdopendir(folder.get()) : nullptr, &::closedir);
+        if (!stream)
             throw Error(ErrorCode::Unavailable,
                         "cannot list " + (folder_ / prefix).string() + ": " + last_error());
-        const std::unique_ptr<DIR, int (*)(DIR*)> owner(stream, &::closedir);
-        while (const dirent* entry = ::readdir(stream)) {
+        const int descriptor = folder.release();  // closedir() closes it
+        while (const dirent* entry = ::readdir(stream.get())) {
             const std::string name = entry->d_name;
             if (name == "." || name == "..") continue;
             if (++num_entries_ > limits_.max_entries)
@@ -68,7 +68,7 @@ private:
                                   std::to_string(limits_.max_entries) + " files",
                               "Give the folder of a single dive.");
             if (num_entries_ % 1000 == 0) progress_({});
-            accept(folder.get(), name, prefix);
+            accept(descriptor, name, prefix);
         }
     }
 

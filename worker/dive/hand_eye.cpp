@@ -3,8 +3,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/SVD>
 #include <algorithm>
-#include <numbers>
 
+#include "worker/base/angle.hpp"
 #include "worker/base/text.hpp"
 #include "worker/stats/median.hpp"
 
@@ -79,8 +79,8 @@ HandEye compare_rotations(const std::vector<RotationPair>& pairs,
         svd.matrixU() * Eigen::Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose();
     result.best_residual = residual(pairs, R_best) / motion;
     result.best_angle_deg =
-        Eigen::AngleAxisd(Eigen::Matrix3d(R_best.transpose() * R_imu_cam0)).angle() * 180.0 /
-        std::numbers::pi;
+        Eigen::AngleAxisd(Eigen::Matrix3d(R_best.transpose() * R_imu_cam0)).angle() *
+        base::kDegPerRad;
     result.best_is_determined = svd.singularValues()[1] > 0.1 * svd.singularValues()[0];
     return result;
 }

@@ -14,6 +14,31 @@ constexpr int kMaxJpegScans = 64;  // a progressive image has about ten
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::BadData, what); }
 
+// The signatures of formats that people record in, each at an offset.
+struct ForeignFormat {
+    std::string_view name;
+    std::size_t offset;
+    std::string_view signature;
+};
+constexpr ForeignFormat kForeignFormats[] = {
+    {"BMP", 0, "BM"},
+    {"TIFF or camera raw", 0, std::string_view("II*\0", 4)},
+    {"TIFF or camera raw", 0, std::string_view("MM\0*", 4)},
+    {"WebP", 8, "WEBP"},
+    {"HEIF or AVIF", 4, "ftyp"},
+    {"PNM", 0, "P5"},
+    {"PNM", 0, "P6"},
+};
+
+[[noreturn]] void fail_as_foreign(std::string_view bytes) {
+    for (const ForeignFormat& format : kForeignFormats)
+        if (bytes.size() >= format.offset &&
+            bytes.substr(format.offset).starts_with(format.signature))
+            fail("it is " + std::string(format.name) +
+                 ", and only PNG and JPEG are read: convert the images to PNG");
+    fail("it is neither PNG nor JPEG");
+}
+
 // Reads the signature, then IHDR: length, type, width, height, depth, colour type (PNG
 // specification, 11.2).
 ImageHeader read_png_header(std::string_view bytes) {
@@ -89,7 +114,7 @@ ImageHeader read_image_header(std::string_view bytes) {
     else if (bytes.starts_with("\xff\xd8\xff"))
         header = read_jpeg_header(bytes);
     else
-        fail("it is neither PNG nor JPEG");
+        fail_as_foreign(bytes);
     if (header.width_px <= 0 || header.height_px <= 0) fail("its header states 0 pixels");
     if (header.num_channels != 1 && header.num_channels != 3)
         fail("it has " + std::to_string(header.num_channels) + " channels, neither grey nor RGB");

@@ -122,7 +122,7 @@ void report_texture(const Measured& measured, double share_matching, FindingLog&
     findings.add({is_all && !has_match ? Severity::Error : Severity::Warning,
                   "images_featureless",
                   "mav0/cam0/data",
-                  base::fixed(100.0 * share, 0) + " % of the frames show nothing to follow" +
+                  base::fixed(100.0 * share, 0) + " % of the frames show no trackable features" +
                       (is_all ? "" : ", " + where) +
                       ": open water, sand without detail, or too little light or contrast",
                   "Keep the bottom or the wall in view, nearer to it or with more light."});

@@ -7,13 +7,13 @@
 
 #include "worker/dive/csv.hpp"
 #include "worker/dive/entry_name.hpp"
+#include "worker/dive/stamp_check.hpp"
 
 namespace divemesh::dive {
 namespace {
 
 constexpr const char* kExtensions[] = {".png", ".jpg", ".jpeg", ".bmp", ".tif", ".tiff", ".webp"};
 constexpr std::int64_t kMinTimestamp_ns = 1'000'000'000;  // smaller names are counters
-constexpr std::int64_t kMaxTimestamp_ns = 4'000'000'000'000'000'000;
 
 std::string lower(std::string text) {
     std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) {
@@ -77,8 +77,8 @@ void complete_image_names(std::vector<CameraRow>& rows,
     findings.warning("image_names_completed",
                      "mav0/" + camera + "/data.csv",
                      std::to_string(num_completed) + " of " + std::to_string(rows.size()) +
-                         " rows name images by another extension or case than the files have; "
-                         "these are used, such as " +
+                         " rows give image names whose extension or case differs from the files'; "
+                         "the files are used, such as " +
                          printable(example),
                      "Write in column 2 the whole file name of the image.");
 }

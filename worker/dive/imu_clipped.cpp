@@ -1,7 +1,7 @@
 #include "worker/dive/imu_clipped.hpp"
 
 #include "worker/base/text.hpp"
-#include "worker/imu/clipped_readings.hpp"
+#include "worker/dive/clipped_readings.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -11,7 +11,7 @@ struct InertialSensor {
     std::string unit;
 };
 
-void report(const imu::ClippedReadings& clipped,
+void report(const ClippedReadings& clipped,
             std::size_t num_rows,
             const std::string& file,
             const InertialSensor& sensor,
@@ -33,8 +33,8 @@ void leave_out_clipped_readings(std::vector<types::ImuSample>& samples,
                                 const std::string& file,
                                 FindingLog& findings) {
     const std::size_t num_rows = samples.size();
-    const imu::ClippedReadings rates = imu::clipped_rates(samples);
-    const imu::ClippedReadings forces = imu::clipped_forces(samples);
+    const ClippedReadings rates = clipped_rates(samples);
+    const ClippedReadings forces = clipped_forces(samples);
     const bool forces_are_spoilt = forces.spoil(num_rows);
     report(rates, num_rows, file, {"gyroscope", "rad/s"}, "these rows are left out", findings);
     report(forces,

@@ -64,14 +64,15 @@ void leave_out_frozen_readings(std::vector<types::ImuSample>& samples,
     if (num_frozen == 0) return;
     const auto first = static_cast<std::size_t>(
         std::find(is_frozen.begin(), is_frozen.end(), true) - is_frozen.begin());
-    findings.warning("imu_frozen",
-                     file,
-                     std::to_string(num_frozen) + " of " + std::to_string(samples.size()) +
-                         " rows repeat the readings of the row before, of gyroscope or "
-                         "accelerometer, from timestamp " +
-                         std::to_string(samples[first].timestamp_ns) +
-                         " on: the sensor or its connection had hung. They are left out",
-                     "Check cable, power and driver of the IMU.");
+    findings.warning(
+        "imu_frozen",
+        file,
+        std::to_string(num_frozen) + " of " + std::to_string(samples.size()) +
+            " rows repeat the readings of the row before, of gyroscope or "
+            "accelerometer, from timestamp " +
+            std::to_string(samples[first].timestamp_ns) +
+            " on: the sensor or its connection had stopped responding. They are left out",
+        "Check cable, power and driver of the IMU.");
     std::vector<types::ImuSample> kept;
     kept.reserve(samples.size());
     for (std::size_t i = 0; i < samples.size(); ++i)

@@ -63,7 +63,7 @@ std::int64_t fill_accelerations(Samples& samples) {
 
 void fill_zero_readings(Samples& samples, const std::string& file, FindingLog& findings) {
     const bool is_measured = std::any_of(samples.begin(), samples.end(), has_acceleration);
-    if (!is_measured) return;  // the check of the units tells
+    if (!is_measured) return;  // the check of the units reports it
     const std::vector<bool> lacks_rate = rows_without_rate(samples);
     const auto num_rows = samples.size();
     const std::int64_t num_filled = fill_accelerations(samples);
@@ -77,7 +77,8 @@ void fill_zero_readings(Samples& samples, const std::string& file, FindingLog& f
     findings.warning(
         "imu_zeros",
         file,
-        "rotation rate or acceleration is empty or exactly 0 in rows where it cannot be: " +
+        "rotation rates are empty or exactly 0 although the rig rotates, or accelerations although "
+        "gravity is never 0: " +
             std::to_string(num_left_out) + " of " + std::to_string(num_rows) +
             " rows are left out, and " + std::to_string(num_filled) +
             " accelerations are interpolated",

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/base/angle.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/dive/mounting_check.hpp"
 #include "worker/dive/stamp_check.hpp"
@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kNumMoments = 12;
 constexpr double kMaxInterval_s = 0.5;
-constexpr double kEnough_rad = 3.0 * std::numbers::pi / 180.0;
+constexpr double kEnough_rad = 3.0 * base::kRadPerDeg;
 constexpr int kMinPoints = 25;
 constexpr std::int64_t kGapPeriods = 5;  // a longer interval of the gyro is a gap
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 
 #include "worker/dive/motion_profile.hpp"
+#include "worker/dive/seconds.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/stats/median.hpp"
 
@@ -25,9 +26,6 @@ constexpr double kMinDelay_s = 0.005;                   // clocks that differ by
 constexpr double kDelaySigmas = 5.0;
 constexpr double kMinDrift_s = 0.006;  // over the dive
 constexpr double kDriftSigmas = 6.0;
-
-std::int64_t ns(double seconds) { return static_cast<std::int64_t>(std::llround(seconds * 1e9)); }
-double to_s(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
 std::int64_t half_period_ns(const std::vector<CameraRow>& rows) {
     return std::max(common_clock_tolerance_ns(rows), median_period_ns(timestamps_of(rows)) / 2);
@@ -146,8 +144,8 @@ private:
         if (left.empty()) return known;
         const std::int64_t base_ns = known.clocks.at(begin_ns);
         const auto right = rows_between(images_.right,
-                                        begin_ns + base_ns - ns(kMaxLag_s),
-                                        left.back().timestamp_ns + base_ns + ns(kMaxLag_s));
+                                        begin_ns + base_ns - to_ns(kMaxLag_s),
+                                        left.back().timestamp_ns + base_ns + to_ns(kMaxLag_s));
         const auto lag =
             find_lag(motion_profile(timestamps_of(left),
                                     begin_ns,
@@ -158,7 +156,7 @@ private:
                      kMaxLag_s);
         if (!lag || !lag->is_clear()) return known;
         ClockDifference clocks = known.clocks;
-        clocks.offset_ns += ns(lag->lag_s);
+        clocks.offset_ns += to_ns(lag->lag_s);
         clocks.reference_ns = begin_ns;
         PairedFrames found = pair_with(clocks);
         const double share = known.delay.share_fitting;
@@ -216,7 +214,7 @@ private:
         if (!drifts && std::abs(to_s(known.clocks.at(start_ns)) + best.at_zero) < unsure_s)
             return ClockDifference{};  // the timestamps are right, and the cameras are not together
         ClockDifference clocks = known.clocks;
-        clocks.offset_ns = known.clocks.at(start_ns) + ns(best.at_zero);
+        clocks.offset_ns = known.clocks.at(start_ns) + to_ns(best.at_zero);
         clocks.reference_ns = start_ns;
         clocks.drift += best.slope;
         return clocks;

@@ -4,6 +4,7 @@
 
 #include "worker/base/text.hpp"
 #include "worker/dive/pair_frames.hpp"
+#include "worker/dive/seconds.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -11,8 +12,6 @@ namespace {
 constexpr const char* kRightRows = "mav0/cam1/data.csv";
 constexpr std::int64_t kReportedOffset_ns = 1'000'000;
 constexpr std::int64_t kClocksOffset_ns = 5'000'000;  // as well as the images tell the difference
-
-double to_s(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
 std::string range(const std::vector<CameraRow>& rows) {
     return std::to_string(rows.front().timestamp_ns) + " to " +
@@ -26,7 +25,7 @@ void report_no_pair(const CameraImages& images, FindingLog& findings) {
                    "how the clocks of the cameras differ: left " +
                        range(images.left) + ", right " + range(images.right),
                    "Record both cameras with the same clock, or move the timestamps of one by the "
-                   "difference, which a flash or a clap that both see tells.");
+                   "difference, for example from a flash that both cameras see.");
 }
 
 void report_clocks(const PairedFrames& frames, FindingLog& findings) {
@@ -49,7 +48,8 @@ void report_clocks(const PairedFrames& frames, FindingLog& findings) {
                                        base::fixed(1e6 * clocks.drift, 0) + " parts per million)";
     findings.warning("camera_clocks_differ",
                      kRightRows,
-                     what + " (right minus left). Images are paired with it" + confirmed +
+                     what + " (right minus left). Images are paired using this difference" +
+                         confirmed +
                          (frames.has_right_clock
                               ? "; frames have the timestamps of cam1, as the IMU follows those"
                               : ""),
@@ -75,7 +75,7 @@ void report_delay(const PairedFrames& frames, double baseline_m, FindingLog& fin
                 (delay.delay_s > 0.0 ? "after" : "before") + " the left ones of their pairs (+- " +
                 base::fixed(2e3 * delay.sigma_s, 1) + " ms, by the images)" +
                 effect_of(std::abs(delay.delay_s), delay, baseline_m) +
-                ". The reconstruction takes the motion of that time off",
+                ". All presets except paper correct for the motion in between",
             "Trigger both cameras together, or move slowly.");
     std::int64_t max_offset_ns = 0;
     for (const FramePair& pair : frames.pairs) {

@@ -14,7 +14,6 @@ namespace {
 constexpr double kMaxBadShare = 0.05;
 constexpr double kGapPeriods = 5.0;
 constexpr double kFarPeriods = 1000.0;
-constexpr std::int64_t kMaxTimestamp_ns = 4'000'000'000'000'000'000;  // in 2096; sums stay in range
 
 }  // namespace
 
@@ -72,27 +71,29 @@ void StampCheck::count(Tally& tally, std::int64_t line) {
 void StampCheck::report(const std::vector<std::int64_t>& accepted_ns, double min_period_s) {
     tell(malformed_,
          "_row_malformed",
-         "malformed (a row is the timestamp in whole nanoseconds, then the values)",
+         "are malformed (a row is the timestamp in whole nanoseconds, then the values)",
          "Write the timestamp as an integer in nanoseconds and every column as a number.");
     tell(not_finite_,
          "_not_finite",
-         "NaN, infinite or absurdly large",
-         "Repair the recorder or remove these rows.");
+         "are NaN, infinite or absurdly large",
+         "Check the recorder, or remove these rows.");
     tell(repeated_,
          "_timestamp_repeated",
-         "of the same timestamp as another row, with other values",
+         "have the same timestamp as another row, with other values",
          "Write each row with its own timestamp, and check the clock of the recorder.");
     tell(misplaced_,
          "_timestamp_backwards",
-         "of a timestamp far before the rows around them",
+         "have a timestamp far from those of the neighbouring rows",
          "Check the timestamps of the recorder.");
     tell_sorted(doubled_,
                 "_timestamp_repeated",
-                "doubles of another row; each is used once",
-                "Remove the duplicate rows if the recorder did not mean them.");
+                "are duplicates of another row",
+                "each is used once",
+                "Remove the duplicate rows unless they are intended.");
     tell_sorted(unsorted_,
                 "_timestamp_backwards",
-                "of an earlier timestamp than a row before; they are sorted into their place",
+                "are out of order",
+                "they were sorted",
                 "Write the rows in the order of time.");
     report_period(accepted_ns, min_period_s);
 }
@@ -114,16 +115,17 @@ void StampCheck::tell(const Tally& tally,
 void StampCheck::tell_sorted(const Tally& tally,
                              const std::string& code,
                              const std::string& what,
+                             const std::string& consequence,
                              const std::string& remedy) {
     if (tally.count == 0) return;
     findings_.warning(sensor_ + code,
                       file_ + ":" + std::to_string(tally.first_line),
-                      rows_text(tally, what),
+                      rows_text(tally, what) + "; " + consequence,
                       remedy);
 }
 
 std::string StampCheck::rows_text(const Tally& tally, const std::string& what) const {
-    return std::to_string(tally.count) + " of " + std::to_string(num_rows_) + " rows are " + what +
+    return std::to_string(tally.count) + " of " + std::to_string(num_rows_) + " rows " + what +
            ", the first in line " + std::to_string(tally.first_line);
 }
 

@@ -12,6 +12,8 @@
 
 namespace divemesh::dive {
 
+constexpr std::int64_t kMaxTimestamp_ns = 4'000'000'000'000'000'000;  // in 2096; sums stay in range
+
 // Checks the rows of a table, brings them into the order of their timestamps and reports what was
 // wrong: one finding per kind, with the number of rows and the line of the first. Above one bad row
 // in twenty the table is an error; rows that only had to be sorted, or were doubled, never are.
@@ -61,6 +63,7 @@ private:
     void tell_sorted(const Tally& tally,
                      const std::string& code,
                      const std::string& what,
+                     const std::string& consequence,
                      const std::string& remedy);
     std::string rows_text(const Tally& tally, const std::string& what) const;
     std::string advice_text() const;

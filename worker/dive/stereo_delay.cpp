@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -21,8 +22,13 @@ constexpr double kMinRate_px_s = 2.0;  // below this the noise of tracking decid
 
 constexpr double kMinDelay_s = 0.002;
 constexpr double kSigmas = 5.0;
+// Rates are means over the time to the later image, not over the delay: relative, by rendered
+// dives.
+constexpr double kRateError = 0.05;
 
 using Model = Eigen::Vector4d;  // delay in s; misalignment in px: constant, by x, by y
+
+const Model kPriorInformation(1e-3, 1e-3, 1e-1, 1e-1);  // keeps unseen terms near 0
 
 Model regressor(const EpipolarSample& s) { return {s.rate_px_s, 1.0, s.ray.x(), s.ray.y()}; }
 
@@ -37,12 +43,6 @@ double median_residual_px(const Model& model, const std::vector<EpipolarSample>&
     return stats::upper_median(std::move(residuals));
 }
 
-// Tukey's biweight.
-double tukey_weight(double residual, double scale) {
-    const double u = residual / (kTukeyScales * scale);
-    return std::abs(u) < 1.0 ? (1.0 - u * u) * (1.0 - u * u) : 0.0;
-}
-
 // Solves weighted least squares by Tukey's biweight; its scale follows the median residual.
 Model fit(const std::vector<EpipolarSample>& samples) {
     Model model = Model::Zero();
@@ -55,15 +55,45 @@ Model fit(const std::vector<EpipolarSample>& samples) {
         Eigen::Matrix4d H = Eigen::Matrix4d::Zero();
         Model b = Model::Zero();
         for (const EpipolarSample& s : samples) {
-            const double weight = tukey_weight(residual_px(model, s), scale_px);
+            const double weight =
+                stats::tukey_weight(residual_px(model, s), kTukeyScales * scale_px);
             const Model a = regressor(s);
             H += weight * a * a.transpose();
             b += weight * a * s.error_px;
         }
-        H.diagonal() += Eigen::Vector4d(1e-3, 1e-3, 1e-1, 1e-1);  // keeps unseen terms near 0
+        H.diagonal() += kPriorInformation;
         model = H.ldlt().solve(b);
     }
     return model;
+}
+
+// Returns the standard deviation of the delay from the scatter between moments: errors within a
+// moment are not independent (cluster-robust covariance, Liang and Zeger 1986). It contains what
+// the misalignment, which is estimated with the delay, is not known by.
+double sigma_between_moments(const Model& model, const std::vector<EpipolarMoment>& moments) {
+    std::vector<EpipolarSample> samples;
+    for (const EpipolarMoment& moment : moments)
+        samples.insert(samples.end(), moment.samples.begin(), moment.samples.end());
+    const double limit_px =
+        kTukeyScales * std::max(kMinScale_px, 1.5 * median_residual_px(model, samples));
+    Eigen::Matrix4d H = kPriorInformation.asDiagonal();
+    Eigen::Matrix4d scatter = Eigen::Matrix4d::Zero();
+    double num_moments = 0.0;
+    for (const EpipolarMoment& moment : moments) {
+        if (moment.samples.empty()) continue;
+        Model gradient = Model::Zero();
+        for (const EpipolarSample& s : moment.samples) {
+            const double residual = residual_px(model, s);
+            const double weight = stats::tukey_weight(residual, limit_px);
+            const Model a = regressor(s);
+            H += weight * a * a.transpose();
+            gradient += weight * residual * a;
+        }
+        scatter += gradient * gradient.transpose();
+        num_moments += 1.0;
+    }
+    const Model by_gradient = H.ldlt().solve(Model::Unit(0));
+    return std::sqrt(by_gradient.dot(scatter * by_gradient) * num_moments / (num_moments - 1.0));
 }
 
 // Returns the delay by one moment alone, the misalignment given. Its scale is its own, as the delay
@@ -74,7 +104,8 @@ double delay_of_moment(Model model, const std::vector<EpipolarSample>& samples) 
         double numerator = 0.0;
         double denominator = 1e-3;
         for (const EpipolarSample& s : samples) {
-            const double weight = tukey_weight(residual_px(model, s), scale_px) * s.rate_px_s;
+            const double weight =
+                stats::tukey_weight(residual_px(model, s), kTukeyScales * scale_px) * s.rate_px_s;
             numerator += weight * residual_px(model, s);
             denominator += weight * s.rate_px_s;
         }
@@ -117,18 +148,15 @@ StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
             return std::abs(residual_px(model, s)) < kFits_px;
         });
     result.share_fitting = static_cast<double>(num_fitting) / std::max(1, num_corners);
-    std::vector<double> deviations_s;
+    std::size_t num_moments = 0;
     for (const EpipolarMoment& moment : moments) {
         const bool has_enough = moment.samples.size() >= kMinSamplesOfMoment;
         result.by_moment_s.push_back(has_enough ? delay_of_moment(model, moment.samples)
                                                 : std::numeric_limits<double>::quiet_NaN());
-        if (has_enough)
-            deviations_s.push_back(std::abs(result.by_moment_s.back() - result.delay_s));
+        if (has_enough) ++num_moments;
     }
-    if (deviations_s.size() < kMinMoments || result.rate_px_s < kMinRate_px_s) return result;
-    // 1.48 times the median deviation is the standard deviation of normal scatter.
-    const auto num_moments = static_cast<double>(deviations_s.size());
-    result.sigma_s = 1.48 * stats::upper_median(std::move(deviations_s)) / std::sqrt(num_moments);
+    if (num_moments < kMinMoments || result.rate_px_s < kMinRate_px_s) return result;
+    result.sigma_s = std::hypot(sigma_between_moments(model, moments), kRateError * result.delay_s);
     result.is_determined = true;
     return result;
 }

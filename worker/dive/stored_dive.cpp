@@ -36,8 +36,8 @@ std::string remedy_for(const std::string& code) {
     if (code == "image_size") return "Record with the resolution of the calibration.";
     if (code == "image_missing") return "Copy the recording again and compare the number of files.";
     if (code == "image_repeated")
-        return "Record without a change of the frame rate, and check the camera's connection.";
-    return "The dive runs without this frame. If you need it, copy the image again.";
+        return "Record at a constant frame rate, and check the camera's connection.";
+    return "The dive runs without this frame. If you need it, copy or convert the image.";
 }
 
 // Returns whether an image with a scene in it is that of the frame before, to the last bit. A
@@ -99,7 +99,7 @@ void StoredDive::report_other_dives() {
         findings_.warning("further_dive",
                           printable(folder),
                           "there is another dive in " + printable(folder) + ": it is not used",
-                          "Give each dive by itself: its folder, or an archive of its folder.");
+                          "Pass one dive at a time: its folder, or an archive of its folder.");
 }
 
 // Pairs left and right images, by their timestamps alone if nothing is known of the cameras.
@@ -118,8 +118,11 @@ void StoredDive::pair_images() {
     if (!contents_.has_rig)
         contents_.frames.pairs =
             match_pairs(images.left, images.right, {}, common_clock_tolerance_ns(images.left));
-    if (contents_.frames.delay.is_significant())
-        contents_.rig.right_delay_s = contents_.frames.delay.delay_s;
+    if (const StereoDelay& delay = contents_.frames.delay; delay.is_significant()) {
+        contents_.rig.right_delay_s = delay.delay_s;
+        contents_.rig.right_delay_baseline_sigma =
+            delay.sigma_s * delay.speed_m_s / contents_.rig.baseline_m();
+    }
     report_pairs(contents_.frames, images, contents_.rig.baseline_m(), findings_);
 }
 

@@ -87,8 +87,8 @@ Evaluation evaluate_reconstruction(const EvaluationInput& input) {
             {Severity::Info,
              "known_distances_not_measured",
              "measurements.json",
-             std::to_string(num_unmarked) + " known distances were not measured: it is not stated "
-                                            "where their ends appear in the images",
+             std::to_string(num_unmarked) + " known distances were not measured: their ends are "
+                                            "not marked in the images",
              "mark both ends in at least four frames (marks_a, marks_b); points a and b need "
              "ground truth and reference.ply in the dive"});
     return evaluation;

@@ -5,13 +5,13 @@
 
 #include "worker/base/text.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::evaluation {
 namespace {
 
 using nlohmann::json;
 
-constexpr double kSigmasOf95 = 1.96;
 constexpr double kLargeShareOfPath = 0.01;
 constexpr double kLarge_m = 0.05;
 constexpr double kEndOverAte = 3.0;  // of an error that grows along the path
@@ -90,7 +90,7 @@ void cover_contradiction(const ExpectedAccuracyInput& input, ExpectedAccuracy& e
     if (expected.contradiction <= 0.0) return;
     if (expected.cameras)
         expected.cameras->sigma =
-            std::hypot(expected.cameras->sigma, expected.contradiction / kSigmasOf95);
+            std::hypot(expected.cameras->sigma, expected.contradiction / stats::kNormal975);
     if (!expected.ate_bound_m || input.trajectory.empty()) return;
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     for (const types::StampedPose& pose : input.trajectory)
@@ -106,9 +106,9 @@ void cover_contradiction(const ExpectedAccuracyInput& input, ExpectedAccuracy& e
         value_m = std::hypot(*value_m, expected.contradiction * length_m / sigmas);
     };
     add(expected.ate_bound_m, spread_m, 1.0);
-    add(expected.ate_expected_m, spread_m, kSigmasOf95);
+    add(expected.ate_expected_m, spread_m, stats::kNormal975);
     add(expected.end_bound_m, way_m, 1.0);
-    add(expected.end_expected_m, way_m, kSigmasOf95);
+    add(expected.end_expected_m, way_m, stats::kNormal975);
 }
 
 void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {

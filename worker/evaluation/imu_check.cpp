@@ -2,14 +2,11 @@
 
 #include <cmath>
 
+#include "worker/base/angle.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 
 namespace divemesh::evaluation {
-namespace {
-
-constexpr double kDegPerRad = 57.29577951308232;
-
-}  // namespace
+namespace {}  // namespace
 
 std::optional<GravityCheck> check_gravity(const std::vector<types::ImuSample>& imu,
                                           const types::Trajectory& trajectory) {
@@ -24,7 +21,7 @@ std::optional<GravityCheck> check_gravity(const std::vector<types::ImuSample>& i
     if (count == 0.0) return std::nullopt;
     const Eigen::Vector3d mean_world = sum_world / count;
     const double across = mean_world.head<2>().norm();
-    return GravityCheck{mean_world.norm(), std::atan2(across, mean_world.z()) * kDegPerRad};
+    return GravityCheck{mean_world.norm(), std::atan2(across, mean_world.z()) * base::kDegPerRad};
 }
 
 }  // namespace divemesh::evaluation

@@ -8,6 +8,7 @@
 #include "worker/camera/projection.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 #include "worker/optimisation/covariance_between.hpp"
+#include "worker/stats/distributions.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/summary.hpp"
 
@@ -322,7 +323,7 @@ nlohmann::json to_metrics(const KnownDistanceErrors& errors) {
                                 {"num_keyframes_b", distance.num_keyframes_b}};
         if (distance.measured_m) entry["measured_m"] = *distance.measured_m;
         if (distance.sigma_m) {
-            const double half_m = 1.96 * *distance.sigma_m;
+            const double half_m = stats::kNormal975 * *distance.sigma_m;
             entry["interval95_m"] = {std::max(0.0, *distance.measured_m - half_m),
                                      *distance.measured_m + half_m};
         }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "worker/base/angle.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/summary.hpp"
 
@@ -53,7 +54,6 @@ IndexPairs all_pairs(const std::vector<PosePair>& poses, double delta_m) {
 
 RelativePoseError relative_pose_error(const std::vector<PosePair>& poses,
                                       const RelativePoseOptions& options) {
-    constexpr double kDegPerRad = 57.29577951308232;
     const auto pairs = options.pairs == RelativePoseOptions::Pairs::Consecutive
                            ? consecutive_pairs(poses, options.delta_m)
                            : all_pairs(poses, options.delta_m);
@@ -66,7 +66,7 @@ RelativePoseError relative_pose_error(const std::vector<PosePair>& poses,
             poses[from].T_world_body.inverse() * poses[to].T_world_body;
         const Eigen::Isometry3d error = truth.inverse() * estimate;
         translations_m.push_back(error.translation().norm());
-        angles_deg.push_back(Eigen::AngleAxisd(error.linear()).angle() * kDegPerRad);
+        angles_deg.push_back(Eigen::AngleAxisd(error.linear()).angle() * base::kDegPerRad);
     }
     RelativePoseError result;
     result.delta_m = options.delta_m;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "worker/base/angle.hpp"
 #include "worker/stats/summary.hpp"
 
 namespace divemesh::evaluation {
@@ -13,7 +14,6 @@ namespace {
 constexpr std::int64_t kMinRevisitInterval_ns = 10'000'000'000;
 constexpr double kReach_m = 0.5;
 constexpr double kMaxRotation_rad = 0.7853981633974483;
-constexpr double kDegPerRad = 57.29577951308232;
 
 double angle_rad(const Eigen::Matrix3d& R) { return Eigen::AngleAxisd(R).angle(); }
 
@@ -78,7 +78,7 @@ std::optional<RevisitError> revisit_error(const std::vector<PosePair>& pairs) {
         const Eigen::Isometry3d estimate =
             pairs[*before].T_world_body.inverse() * pairs[i].T_world_body;
         translations_m.push_back((truth.translation() - estimate.translation()).norm());
-        rotations_deg.push_back(kDegPerRad *
+        rotations_deg.push_back(base::kDegPerRad *
                                 angle_rad(truth.linear().transpose() * estimate.linear()));
     }
     if (translations_m.empty()) return std::nullopt;

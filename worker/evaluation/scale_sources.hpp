@@ -25,7 +25,7 @@ struct ScaleSource {
     ScaleCheck check;
 };
 
-// The data that measure lengths beside the cameras; empty where there are none or they must not be
+// The data that measure lengths besides the cameras; empty where there are none or they must not be
 // used.
 struct LengthData {
     std::vector<types::ImuSample> imu;  // on the cameras' clock

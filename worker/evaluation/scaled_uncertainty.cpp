@@ -21,9 +21,9 @@ void remove(const Eigen::Vector3d& error_m, Eigen::Matrix3d& covariance_m2) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> ways_from_start(const types::Trajectory& trajectory,
-                                             const std::vector<types::Keyframe>& keyframes,
-                                             const types::Breaks& breaks_ns) {
+std::vector<Eigen::Vector3d> offsets_from_start(const types::Trajectory& trajectory,
+                                                const std::vector<types::Keyframe>& keyframes,
+                                                const types::Breaks& breaks_ns) {
     std::vector<Eigen::Vector3d> ways(trajectory.size(), Eigen::Vector3d::Zero());
     if (trajectory.empty()) return ways;
     const Eigen::Matrix3d R_first_world = trajectory.front().T_world_imu.linear().transpose();
@@ -38,12 +38,12 @@ std::vector<Eigen::Vector3d> ways_from_start(const types::Trajectory& trajectory
 }
 
 types::CovarianceTrack with_scale_sigma(const types::CovarianceTrack& covariances,
-                                        const std::vector<Eigen::Vector3d>& ways_from_start,
+                                        const std::vector<Eigen::Vector3d>& offsets_from_start,
                                         double from_sigma,
                                         double to_sigma) {
     types::CovarianceTrack result = covariances;
-    for (std::size_t i = 0; i < std::min(result.size(), ways_from_start.size()); ++i) {
-        const Eigen::Vector3d& way = ways_from_start[i];
+    for (std::size_t i = 0; i < std::min(result.size(), offsets_from_start.size()); ++i) {
+        const Eigen::Vector3d& way = offsets_from_start[i];
         remove(from_sigma * way, result[i].position_m2);
         result[i].position_m2 += to_sigma * to_sigma * way * way.transpose();
     }

@@ -10,21 +10,21 @@
 
 namespace divemesh::evaluation {
 
-// The error that all positions of a path share is that of its scale: along the way from the first
-// pose, in proportion to it. Another measurement of lengths replaces that part of the error and
-// leaves the drift of the poses as it is.
+// The error of the scale is shared by all positions of a path: for each it lies along the offset
+// from the first pose and is proportional to it. Another measurement of lengths replaces that part
+// of the error and leaves the drift of the poses as it is.
 
-// Returns for each pose of the trajectory the way from the first pose of its segment, in the axes
-// of the trajectory's first pose, as its covariance is. Segments lie beside each other at no
-// measured distance, so no way crosses them.
-std::vector<Eigen::Vector3d> ways_from_start(const types::Trajectory& trajectory,
-                                             const std::vector<types::Keyframe>& keyframes,
-                                             const types::Breaks& breaks_ns);
+// Returns for each pose of the trajectory the offset from the first pose of its segment, in the
+// axes of the trajectory's first pose, which are those of its covariance. The distance between
+// segments is not measured, so no offset crosses from one to another.
+std::vector<Eigen::Vector3d> offsets_from_start(const types::Trajectory& trajectory,
+                                                const std::vector<types::Keyframe>& keyframes,
+                                                const types::Breaks& breaks_ns);
 
 // Returns the covariances with `to_sigma` as the relative sigma of the shared scale in place of
-// `from_sigma`; at most 99 % of the variance along a way is taken for the old scale's.
+// `from_sigma`; at most 99 % of the variance along an offset is taken for the old scale's.
 types::CovarianceTrack with_scale_sigma(const types::CovarianceTrack& covariances,
-                                        const std::vector<Eigen::Vector3d>& ways_from_start,
+                                        const std::vector<Eigen::Vector3d>& offsets_from_start,
                                         double from_sigma,
                                         double to_sigma);
 

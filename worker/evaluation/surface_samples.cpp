@@ -5,16 +5,10 @@
 
 #include "schemas/error.hpp"
 #include "worker/base/hashed_random.hpp"
+#include "worker/types/triangle_area.hpp"
 
 namespace divemesh::evaluation {
 namespace {
-
-double triangle_area_m2(const types::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-    const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
-    const Eigen::Vector3d b = mesh.vertices[triangle[1]].cast<double>();
-    const Eigen::Vector3d c = mesh.vertices[triangle[2]].cast<double>();
-    return 0.5 * (b - a).cross(c - a).norm();
-}
 
 // Returns a number in [0, 1) that depends only on its arguments.
 double uniform(std::uint64_t seed, std::uint64_t index) {
@@ -36,7 +30,7 @@ Eigen::Vector3f point_in_triangle(const types::Mesh& mesh,
 
 double surface_area_m2(const types::Mesh& mesh) {
     double area = 0.0;
-    for (const auto& triangle : mesh.triangles) area += triangle_area_m2(mesh, triangle);
+    for (const auto& triangle : mesh.triangles) area += types::triangle_area_m2(mesh, triangle);
     return area;
 }
 
@@ -49,13 +43,13 @@ std::vector<Eigen::Vector3f> sample_surface(const types::Mesh& mesh,
     std::vector<Eigen::Vector3f> samples;
     samples.reserve(static_cast<std::size_t>(num_samples));
     std::size_t triangle = 0;
-    double covered = triangle_area_m2(mesh, mesh.triangles[0]);
+    double covered = types::triangle_area_m2(mesh, mesh.triangles[0]);
     for (std::int64_t i = 0; i < num_samples; ++i) {
         const auto number = static_cast<std::uint64_t>(i) * 3;
         const double target = (static_cast<double>(i) + uniform(seed, number)) /
                               static_cast<double>(num_samples) * total;
         while (covered < target && triangle + 1 < mesh.triangles.size())
-            covered += triangle_area_m2(mesh, mesh.triangles[++triangle]);
+            covered += types::triangle_area_m2(mesh, mesh.triangles[++triangle]);
         samples.push_back(point_in_triangle(
             mesh, mesh.triangles[triangle], uniform(seed, number + 1), uniform(seed, number + 2)));
     }

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "schemas/error.hpp"
+#include "worker/base/angle.hpp"
 #include "worker/evaluation/alignment.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 #include "worker/stats/median.hpp"
@@ -14,9 +15,10 @@ namespace divemesh::evaluation {
 namespace {
 
 constexpr double kSegmentLengths_m[] = {1.0, 2.0, 5.0, 10.0};
-constexpr double kDegPerRad = 57.29577951308232;
 
-double angle_deg(const Eigen::Matrix3d& R) { return Eigen::AngleAxisd(R).angle() * kDegPerRad; }
+double angle_deg(const Eigen::Matrix3d& R) {
+    return Eigen::AngleAxisd(R).angle() * base::kDegPerRad;
+}
 
 // Returns the path length up to each pair.
 std::vector<double> path_lengths(const std::vector<PosePair>& pairs) {

@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "schemas/error.hpp"
+#include "worker/base/angle.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/evaluation/alignment.hpp"
 #include "worker/evaluation/motion_correlation.hpp"
@@ -19,7 +20,6 @@ namespace {
 using Matrix10d = Eigen::Matrix<double, 10, 10>;
 using Vector10d = Eigen::Matrix<double, 10, 1>;
 
-constexpr double kDegPerRad = 57.29577951308232;
 constexpr double kMinRotationSine = 0.035;  // RMS sine of the rotation that determines a lever arm
 constexpr double kMinVelocity = 0.02;       // m/s, RMS of the velocity that determines an offset
 // beyond it the truth's axes do not belong to this body
@@ -272,7 +272,7 @@ void solve_axes(const types::Trajectory& estimate,
         squares += angle * angle;
     }
     const auto count = static_cast<double>(rotations.size());
-    const double rms_deg = kDegPerRad * std::sqrt(squares / count);
+    const double rms_deg = base::kDegPerRad * std::sqrt(squares / count);
     result.has_orientation = rms_deg <= kMaxOrientationRms_deg;
     if (!result.has_orientation) return;
     result.T_body_marker.linear() = R_body_marker;

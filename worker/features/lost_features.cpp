@@ -12,8 +12,8 @@ constexpr double kMinDepth_m = 0.05;
 
 }  // namespace
 
-void LostFeatures::lose(const types::Feature& feature, const ReferencePatch& look) {
-    lost_.push_back({feature.id, types::point_cam(rig_, feature), 0, look});
+void LostFeatures::lose(const types::Feature& feature, const ReferencePatch& reference) {
+    lost_.push_back({feature.id, types::point_cam(rig_, feature), 0, reference});
 }
 
 void LostFeatures::forget_newest() {
@@ -25,15 +25,15 @@ std::vector<LostFeatures::Found> LostFeatures::find(const cv::Mat& image,
     std::vector<Found> found;
     std::erase_if(lost_, [&](Lost& lost) {
         lost.p_cam = T_current_previous * lost.p_cam;
-        lost.look.move(T_current_previous);
+        lost.reference.move(T_current_previous);
         if (lost.p_cam.z() < kMinDepth_m || ++lost.num_frames > kMaxLostFrames) return true;
         const Eigen::Vector3d expected = types::project_px(rig_, lost.p_cam);
-        const auto look = lost.look.warp_to_current(rig_, Eigen::Isometry3d::Identity());
-        const auto there = look ? look->align(image, expected.head<2>()) : std::nullopt;
+        const auto patch = lost.reference.warp_to_current(rig_, Eigen::Isometry3d::Identity());
+        const auto there = patch ? patch->align(image, expected.head<2>()) : std::nullopt;
         if (!there || there->correlation < kMinCorrelation ||
             (there->pixel - expected.head<2>()).norm() > kTolerance_px)
             return false;
-        found.push_back({{lost.id, there->pixel, expected.z()}, lost.look});
+        found.push_back({{lost.id, there->pixel, expected.z()}, lost.reference});
         return true;
     });
     std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {

@@ -16,13 +16,14 @@ class LostFeatures {
 public:
     struct Found {
         types::Feature feature;  // with the predicted disparity
-        ReferencePatch look;
+        ReferencePatch reference;
     };
 
     explicit LostFeatures(const types::RectifiedRig& rig) : rig_(rig) {}
 
-    // Adds a lost feature, as the previous frame had it, with depth; `look` is its reference patch.
-    void lose(const types::Feature& feature, const ReferencePatch& look);
+    // Adds a lost feature, as the previous frame had it, with depth; `reference` is its reference
+    // patch.
+    void lose(const types::Feature& feature, const ReferencePatch& reference);
     // Forgets the features lost since the last call of find().
     void forget_newest();
     // Returns the features found again in the current image, by id, once its motion is known.
@@ -33,7 +34,7 @@ private:
         std::int64_t id = 0;
         Eigen::Vector3d p_cam;  // in the current camera frame
         int num_frames = 0;     // since it was last seen
-        ReferencePatch look;
+        ReferencePatch reference;
     };
 
     types::RectifiedRig rig_;

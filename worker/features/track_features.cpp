@@ -97,12 +97,12 @@ types::Features FeatureTracker::track(const cv::Mat& left,
             reference_patches_.emplace(feature.id, known->second)
                 .first->second.move(T_cam_previous);
         } else {
-            ReferencePatch anew =
+            ReferencePatch updated =
                 known == previous_patches_.end()
                     ? ReferencePatch(rig_, previous_pyramid_[0], feature)
                     : ReferencePatch(rig_, previous_pyramid_[0], feature, known->second);
-            anew.move(T_cam_previous);
-            reference_patches_.emplace(feature.id, std::move(anew));
+            updated.move(T_cam_previous);
+            reference_patches_.emplace(feature.id, std::move(updated));
         }
     }
     return features;
@@ -143,7 +143,7 @@ types::Features FeatureTracker::find_lost(const Eigen::Isometry3d& T_cam_previou
         const Eigen::Vector2d& pixel = found.feature.pixel;
         if (!inside(current_pyramid_[0], pixel) || !occupancy.take(pixel.x(), pixel.y())) continue;
         features.push_back(found.feature);
-        reference_patches_.emplace(found.feature.id, found.look);
+        reference_patches_.emplace(found.feature.id, found.reference);
     }
     return features;
 }

@@ -35,10 +35,10 @@ std::size_t place_of(SpillStore::Handle record) {
             ": free space there, choose another scratch folder or raise fusion_memory_bytes");
 }
 
-int open_unnamed(const std::filesystem::path& folder) {
+FileDescriptor open_unnamed(const std::filesystem::path& folder) {
     std::string name = (folder / "spilled-XXXXXX").string();
-    const int file = mkostemp(name.data(), O_CLOEXEC);
-    if (file < 0) fail(folder, "make", errno);
+    FileDescriptor file(mkostemp(name.data(), O_CLOEXEC));
+    if (!file.is_open()) fail(folder, "make", errno);
     unlink(name.c_str());
     return file;
 }
@@ -77,7 +77,6 @@ void unmap_chunk(std::byte* memory) {
 SpillStore::~SpillStore() {
     for (Chunk& chunk : chunks_) unmap_chunk(chunk.memory.load());
     for (std::byte* memory : spare_) unmap_chunk(memory);
-    if (file_ >= 0) close(file_);
 }
 
 std::byte* SpillStore::take_memory() const {
@@ -133,7 +132,7 @@ std::byte* SpillStore::resident(std::size_t index) const {
     memory = take_memory();
     try {
         move_chunk([&](std::size_t done) {
-            return pread(file_,
+            return pread(file_.get(),
                          memory + done,
                          kChunkBytes - done,
                          static_cast<off_t>(index * kChunkBytes + done));
@@ -151,10 +150,10 @@ void SpillStore::spill(std::size_t index) const {
     Chunk& chunk = chunks_[index];
     std::byte* memory = chunk.memory.load();
     if (chunk.changed) {
-        if (file_ < 0) file_ = open_unnamed(settings_.folder);
+        if (!file_.is_open()) file_ = open_unnamed(settings_.folder);
         try {
             move_chunk([&](std::size_t done) {
-                return pwrite(file_,
+                return pwrite(file_.get(),
                               memory + done,
                               kChunkBytes - done,
                               static_cast<off_t>(index * kChunkBytes + done));

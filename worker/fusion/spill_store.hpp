@@ -8,6 +8,8 @@
 #include <mutex>
 #include <vector>
 
+#include "schemas/file_descriptor.hpp"
+
 namespace divemesh::fusion {
 
 struct SpillSettings {
@@ -61,7 +63,7 @@ private:
     mutable std::vector<std::byte*> spare_;
     mutable std::uint64_t now_ = 1;
     mutable std::atomic<std::int64_t> num_resident_ = 0;
-    mutable int file_ = -1;
+    mutable FileDescriptor file_;
     std::size_t used_bytes_ = kChunkBytes;  // of the last chunk
 };
 

@@ -85,13 +85,13 @@ Eigen::AlignedBox3f VisibleSpace::bounds() const {
         return Eigen::Vector3f(view_.R_cam_world.transpose() * (p_cam - view_.t_cam_world));
     };
     Eigen::AlignedBox3f box(to_world(Eigen::Vector3f::Zero()));
-    constexpr int kCoarsest = DepthRanges::kNumLevels - 1;
+    constexpr int kMaxLevel = DepthRanges::kNumLevels - 1;
     const float far = ranges_
-                          .over(kCoarsest,
+                          .over(kMaxLevel,
                                 0,
-                                ranges_.num_columns(kCoarsest) - 1,
+                                ranges_.num_columns(kMaxLevel) - 1,
                                 0,
-                                ranges_.num_rows(kCoarsest) - 1)
+                                ranges_.num_rows(kMaxLevel) - 1)
                           .farthest_m;
     for (const int u : {0, view_.width_px})
         for (const int v : {0, view_.height_px})

@@ -7,6 +7,7 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/imu/gyroscope_path.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::imu {
 namespace {
@@ -21,7 +22,6 @@ constexpr double kDerivativeStep_s = 2e-3;
 constexpr double kPriorOffset_s = 0.03;
 constexpr double kPriorRotation_rad = 0.035;
 constexpr double kPriorBias = 0.1;       // rad/s
-constexpr double kMedianOfNorm = 1.538;  // norm of three normal variables, in sigmas
 constexpr double kHuber = 3.0;           // of the norm, in sigmas of an axis
 constexpr double kMinSigma_rad = 1e-5;   // of a rotation from vision
 constexpr double kSignificant = 4.0;     // sigmas
@@ -122,7 +122,8 @@ private:
         std::vector<double> norms;
         for (const TimedRotation& rotation : rotations_)
             norms.push_back(residual(state, rotation).norm());
-        return std::max(stats::upper_median(std::move(norms)) / kMedianOfNorm, kMinSigma_rad);
+        return std::max(stats::upper_median(std::move(norms)) / stats::kMedianNormOfThree,
+                        kMinSigma_rad);
     }
     void add(const State& state,
              const TimedRotation& rotation,

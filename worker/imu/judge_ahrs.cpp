@@ -48,7 +48,7 @@ struct Parts {
     bool fit() const { return num_fitting > num_contradicting; }
 };
 
-Parts judge_parts(const Orientations& orientations, const std::vector<TurnSpan>& spans) {
+Parts judge_parts(const Orientations& orientations, const std::vector<RotationSpan>& spans) {
     const std::vector<types::ImuSample> samples = rates_of(orientations);
     Parts parts;
     for (std::size_t end = spans.size(); end > 0; end -= std::min(end, kSpansOfPart)) {
@@ -68,7 +68,7 @@ Parts judge_parts(const Orientations& orientations, const std::vector<TurnSpan>&
 
 // Returns the fault in writing quaternions that explains the contradiction.
 std::optional<AhrsFault> fault_of_writing(const Orientations& orientations,
-                                          const std::vector<TurnSpan>& spans) {
+                                          const std::vector<RotationSpan>& spans) {
     const auto judged = [&](const auto& change) {
         Orientations changed = orientations;
         for (types::OrientationSample& sample : changed)
@@ -86,7 +86,7 @@ std::optional<AhrsFault> fault_of_writing(const Orientations& orientations,
 
 }  // namespace
 
-AhrsJudgement judge_ahrs(const Orientations& orientations, const std::vector<TurnSpan>& spans) {
+AhrsJudgement judge_ahrs(const Orientations& orientations, const std::vector<RotationSpan>& spans) {
     const Parts parts = judge_parts(orientations, spans);
     if (!parts.contradict())
         return {AhrsFault::None, parts.first, wrong_times(rates_of(orientations), spans)};

@@ -12,7 +12,7 @@ enum class AhrsFault {
     None,
     Inverse,     // the quaternions map the world to the body
     ScalarLast,  // w is written last
-    AsGyroscope  // `rotation` tells
+    AsGyroscope  // as stated in `rotation`
 };
 
 struct AhrsJudgement {
@@ -23,10 +23,10 @@ struct AhrsJudgement {
 };
 
 // Compares the rotations of the AHRS with those of vision over the whole dive, in parts of 40
-// spans, as judge_gyroscope() does. It contradicts vision if it does in more than half of the parts
-// in which the rig turns. If it does not, the times in which it does are told as wrong_times()
-// tells a gyroscope's.
+// spans, each as judge_gyroscope() does. The AHRS contradicts vision if more parts contradict than
+// fit. Otherwise the times in which it contradicts vision are found as wrong_times() does for a
+// gyroscope.
 AhrsJudgement judge_ahrs(const std::vector<types::OrientationSample>& orientations,
-                         const std::vector<TurnSpan>& spans);
+                         const std::vector<RotationSpan>& spans);
 
 }  // namespace divemesh::imu

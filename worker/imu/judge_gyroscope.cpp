@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 
+#include "worker/base/angle.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/imu/gyroscope_path.hpp"
 #include "worker/stats/median.hpp"
@@ -29,7 +29,7 @@ constexpr double kFits = 0.1;            // unexplained shares
 constexpr double kContradicts = 0.25;
 // Another offset must explain this much more than the best near one.
 constexpr double kClearlyBetter = 0.4;
-constexpr double kMaxTilt_rad = 20.0 * std::numbers::pi / 180.0;
+constexpr double kMaxTilt_rad = 20.0 * base::kRadPerDeg;
 constexpr double kRotationPrior = 0.05;  // of the correlation: holds axes without rotation
 constexpr double kHuber = 3.0;           // in medians of the residuals' norms
 constexpr int kNumReweightings = 3;
@@ -42,11 +42,11 @@ struct Rates {
 };
 
 std::optional<Rates> rates_at(const GyroscopePath& path,
-                              const std::vector<TurnSpan>& spans,
+                              const std::vector<RotationSpan>& spans,
                               double offset_s) {
     const std::int64_t shift_ns = std::llround(1e9 * offset_s);
     Rates rates;
-    for (const TurnSpan& span : spans) {
+    for (const RotationSpan& span : spans) {
         const std::int64_t from_ns = span.from_ns + shift_ns;
         const std::int64_t to_ns = span.to_ns + shift_ns;
         if (!path.covers(from_ns, to_ns)) continue;
@@ -176,7 +176,7 @@ struct Offsets {
 
 // Returns the best fit among the offsets; nullopt if samples cover too few spans.
 std::optional<Fit> best_fit(const GyroscopePath& path,
-                            const std::vector<TurnSpan>& spans,
+                            const std::vector<RotationSpan>& spans,
                             const Offsets& offsets,
                             const Eigen::Matrix3d& mounting) {
     std::optional<Fit> best;
@@ -227,7 +227,7 @@ void name_mounting(const Eigen::Matrix3d& mounting, GyroscopeJudgement& judgemen
 
 // Finds what explains the contradiction: other axes, or another scale.
 void explain(const GyroscopePath& path,
-             const std::vector<TurnSpan>& spans,
+             const std::vector<RotationSpan>& spans,
              const Fit& near,
              GyroscopeJudgement& judgement) {
     judgement.fault = GyroscopeFault::Unexplained;
@@ -250,7 +250,7 @@ bool is_at_edge(const Fit& near) { return std::abs(near.offset_s) > kNearOffset_
 
 }  // namespace
 
-void TurnSpans::add(const VisionRotation& rotation) {
+void RotationSpans::add(const VisionRotation& rotation) {
     if (open_.to_ns == rotation.from_ns && open_.to_ns > open_.from_ns) {
         open_.q_from_to = open_.q_from_to * rotation.q_from_to;
         open_.to_ns = rotation.to_ns;
@@ -266,10 +266,10 @@ void TurnSpans::add(const VisionRotation& rotation) {
 }
 
 GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
-                                   const std::vector<TurnSpan>& spans) {
+                                   const std::vector<RotationSpan>& spans) {
     GyroscopeJudgement judgement;
     if (spans.size() < kMinSpans) return judgement;
-    const std::vector<TurnSpan> last(
+    const std::vector<RotationSpan> last(
         spans.end() - static_cast<std::ptrdiff_t>(std::min(spans.size(), kMaxSpans)), spans.end());
     const std::int64_t reach_ns = std::llround(1e9 * (kMaxOffset_s + kStep_s));
     const GyroscopePath path(
@@ -300,7 +300,7 @@ GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
 }
 
 std::vector<types::TimeInterval> wrong_times(const std::vector<types::ImuSample>& samples,
-                                             const std::vector<TurnSpan>& spans) {
+                                             const std::vector<RotationSpan>& spans) {
     if (spans.empty()) return {};
     const std::int64_t reach_ns = std::llround(1e9 * (kNearOffset_s + kStep_s));
     const GyroscopePath path(
@@ -309,7 +309,7 @@ std::vector<types::TimeInterval> wrong_times(const std::vector<types::ImuSample>
     if (!fit) return {};
     const std::int64_t shift_ns = std::llround(1e9 * fit->offset_s);
     std::vector<Difference> differences;
-    for (const TurnSpan& span : spans) {
+    for (const RotationSpan& span : spans) {
         const std::int64_t from_ns = span.from_ns + shift_ns;
         const std::int64_t to_ns = span.to_ns + shift_ns;
         if (!path.covers(from_ns, to_ns)) continue;

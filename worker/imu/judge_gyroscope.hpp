@@ -13,7 +13,7 @@ namespace divemesh::imu {
 
 // The rotation of the body over a span of about a third of a second, long enough that the noise of
 // one frame does not matter.
-struct TurnSpan {
+struct RotationSpan {
     std::int64_t from_ns = 0;
     std::int64_t to_ns = 0;
     Eigen::Vector3d rate_body = Eigen::Vector3d::Zero();  // rad/s, by vision alone
@@ -21,14 +21,14 @@ struct TurnSpan {
 
 // Joins rotations that follow each other to spans. A span ends where one rotation does not begin
 // when the one before ends.
-class TurnSpans {
+class RotationSpans {
 public:
     void add(const VisionRotation& rotation);
-    const std::vector<TurnSpan>& spans() const { return spans_; }
+    const std::vector<RotationSpan>& spans() const { return spans_; }
 
 private:
     VisionRotation open_;
-    std::vector<TurnSpan> spans_;
+    std::vector<RotationSpan> spans_;
 };
 
 enum class GyroscopeFit {
@@ -43,7 +43,7 @@ enum class GyroscopeFault {
     None,
     Unexplained,  // another dive's samples, or an offset of more than a second
     Mirrored,     // `axes`
-    Turned,       // `axes`: mounted otherwise than T_BS says
+    Turned,       // `axes`: not mounted as T_BS says
     Scaled,       // `scale`: units, range or rows that are missing
 };
 
@@ -71,11 +71,11 @@ constexpr double kMaxOffset_s = 1.0;
 // with a prior at no rotation); an axis about which neither turns counts as explained. `samples`
 // are on the cameras' clock and in the body frame as far as both are known.
 GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
-                                   const std::vector<TurnSpan>& spans);
+                                   const std::vector<RotationSpan>& spans);
 
 // Returns the times of the dive in which the gyroscope contradicts vision, though it fits as a
 // whole: the rates v - R g are not what they are before and after. Empty if it does not fit.
 std::vector<types::TimeInterval> wrong_times(const std::vector<types::ImuSample>& samples,
-                                             const std::vector<TurnSpan>& spans);
+                                             const std::vector<RotationSpan>& spans);
 
 }  // namespace divemesh::imu

@@ -12,8 +12,8 @@ constexpr std::size_t kFirstJudgement = 16;  // spans
 constexpr std::size_t kJudgementStep = 4;
 // The watch notices a fault only after this many wrong spans.
 constexpr std::size_t kUnnoticed = 8;
-constexpr double kMaxMended_s = 0.01;  // of the time offset, while a dive is tracked
-constexpr int kNumLost = 3;            // frames in a row: the scene is lost, not one image spoilt
+constexpr double kMaxCorrected_s = 0.01;  // of the time offset, while a dive is tracked
+constexpr int kNumLost = 3;  // frames in a row: the scene is lost, not one image spoilt
 
 std::vector<types::ImuSample> shifted(const std::vector<types::ImuSample>& samples,
                                       double offset_s) {
@@ -79,7 +79,7 @@ void SensorWatch::watch(const VisionMotion& motion, InertialPrior& inertial) {
 
 void SensorWatch::aligned(const types::ImuAlignment& alignment) {
     if (plan_.left_out.imu || restart_) return;
-    if (std::abs(alignment.time_offset_s - plan_.time_offset_s) < kMaxMended_s) return;
+    if (std::abs(alignment.time_offset_s - plan_.time_offset_s) < kMaxCorrected_s) return;
     restart_ = plan_;
     restart_->time_offset_s = alignment.time_offset_s;
 }
@@ -87,11 +87,11 @@ void SensorWatch::aligned(const types::ImuAlignment& alignment) {
 void SensorWatch::lost_scene() {
     if (++num_lost_ < kNumLost || samples_.empty()) return;
     if (confirmed_ || plan_.imu_confirmed || plan_.left_out.imu || restart_) return;
-    start_anew(false);
+    start_again(false);
     restart_->imu_on_probation = true;
 }
 
-void SensorWatch::start_anew(bool with_imu) {
+void SensorWatch::start_again(bool with_imu) {
     restart_ = plan_;
     restart_->imu_on_probation = false;
     restart_->left_out.imu = !with_imu;
@@ -104,11 +104,11 @@ void SensorWatch::judge(InertialPrior& inertial) {
     const auto disagreement = gravity_.disagreement_m_s2();
     if (!plan_.left_out.accelerometer &&
         disagreement.value_or(0.0) > kMaxGravityDisagreement_m_s2) {
-        start_anew(true);
+        start_again(true);
         restart_->left_out.accelerometer = true;
         restart_->gravity_disagreement_m_s2 = *disagreement;
     } else if (plan_.imu_on_probation && disagreement) {
-        start_anew(true);
+        start_again(true);
     }
 }
 
@@ -123,7 +123,7 @@ void SensorWatch::take(const GyroscopeJudgement& judgement, InertialPrior& inert
             return;
         case GyroscopeFit::FitsShifted:
             if (confirmed_) return contradicted(judgement, inertial);
-            start_anew(true);
+            start_again(true);
             restart_->time_offset_s += judgement.time_offset_s;
             restart_->gyroscope = judgement;
             return;
@@ -138,7 +138,7 @@ void SensorWatch::contradicted(const GyroscopeJudgement& judgement, InertialPrio
         plan_.imu_on_probation = false;
         plan_.left_out.imu = true;
         plan_.gyroscope = judgement;
-        if (is_used) start_anew(false);
+        if (is_used) start_again(false);
         return;
     }
     const auto& spans = turns_.spans();

@@ -21,7 +21,7 @@ struct SensorPlan {
     bool imu_on_probation = false;
     bool imu_confirmed = false;    // by an earlier attempt: it stays in use when the scene is lost
     GyroscopeJudgement gyroscope;  // why the plan differs from the dive as stated
-    bool accelerometer_clipped = false;      // known before tracking, and told by the dive
+    bool accelerometer_clipped = false;      // known before tracking; the dive reports it
     double gravity_disagreement_m_s2 = 0.0;  // likewise, of the accelerometer
     AhrsJudgement ahrs;                      // likewise
 };
@@ -33,9 +33,9 @@ struct SensorsUsed {
 };
 
 // A watch over the sensors while a dive is tracked. It compares them with motions that vision alone
-// measured and says when the dive has to be tracked anew with another plan: a clock offset that
-// tracking cannot mend by itself, a sensor that contradicts the images, or an IMU that was left out
-// and fits after all.
+// measured and says when the dive has to be tracked again with another plan: a clock offset that
+// tracking cannot correct by itself, a sensor that contradicts the images, or an IMU that was left
+// out and fits after all.
 class SensorWatch {
 public:
     SensorWatch(const types::Recording& recording, const SensorsUsed& used, const SensorPlan& plan);
@@ -43,22 +43,22 @@ public:
     // Takes in a motion measured by vision alone. Leaves the IMU out of `inertial` for the time in
     // which it contradicts vision.
     void watch(const VisionMotion& motion, InertialPrior& inertial);
-    // Takes in the alignment that is used from now on. The dive starts anew if what was tracked so
-    // far had a clock offset too large to be mended by it.
+    // Takes in the alignment that is used from now on. The dive starts again if the error of the
+    // clock offset so far was too large to be corrected while it is tracked.
     void aligned(const types::ImuAlignment& alignment);
     // Takes in that vision lost the scene in a frame.
     void lost_scene();
 
     // Returns the plan, with what was learnt about the sensors.
     const SensorPlan& plan() const { return plan_; }
-    // Returns the plan with which to start the dive anew, now.
+    // Returns the plan with which to start the dive again, now.
     const std::optional<SensorPlan>& restart() const { return restart_; }
-    // Returns the plan with which to start the dive anew after its last frame.
+    // Returns the plan with which to start the dive again after its last frame.
     std::optional<SensorPlan> restart_at_end() const;
 
 private:
     void judge(InertialPrior& inertial);
-    void start_anew(bool with_imu);
+    void start_again(bool with_imu);
     void take(const GyroscopeJudgement& judgement, InertialPrior& inertial);
     std::vector<types::TimeInterval> wrong_times() const;
     void contradicted(const GyroscopeJudgement& judgement, InertialPrior& inertial);
@@ -66,7 +66,7 @@ private:
     SensorPlan plan_;
     std::vector<types::ImuSample> samples_;  // as stated, with the plan's time offset
     std::vector<types::OrientationSample> orientations_;
-    TurnSpans turns_;
+    RotationSpans turns_;
     GravityByVision gravity_;
     std::size_t next_judgement_;
     bool confirmed_ = false;

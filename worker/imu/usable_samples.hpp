@@ -19,8 +19,8 @@ std::vector<Sample> without(const std::vector<types::TimeInterval>& times,
 }
 
 // Return the samples of the dive's IMU, on its own clock, whose angular velocity or whose specific
-// force may be used: what contradicts the images is left out. Nothing takes them from the recording
-// itself but what judges the IMU.
+// force may be used: samples that contradict the images are left out. Only the code that judges the
+// IMU reads the samples from the recording itself.
 std::vector<types::ImuSample> usable_rates(const types::Recording& recording,
                                            const types::SensorsLeftOut& left_out);
 std::vector<types::ImuSample> usable_forces(const types::Recording& recording,

@@ -14,12 +14,14 @@ struct Difference {
     Eigen::Vector3d value = Eigen::Vector3d::Zero();
 };
 
-// Returns the times in which the differences, in order of time, are far from the median of those up
-// to nine seconds before and after: by more than `least` and by more than five times what is usual,
-// over about two seconds of differences. One among them may be near. A time without any, in which
-// the images told nothing, belongs to the wrong time around it: a sensor that is wrong is a likely
-// cause that they did not. A second before and after is added, as it is not known better when
-// the sensor began to be wrong.
+// Returns the times in which the sensor was wrong. `differences` are in order of time. One is wrong
+// if it is farther from the median of those up to nine seconds before and after it than `least` and
+// than five times the median of such distances over the dive. A wrong time has at least 1.6 s of
+// differences; one difference in a row among them may be right.
+//
+// A gap between wrong differences, in which the images measured nothing, counts as wrong too,
+// because a wrong sensor is a likely cause of the gap. A second is added before and after each
+// time, because it is not known better when the sensor began to be wrong.
 std::vector<types::TimeInterval> wrong_times(const std::vector<Difference>& differences,
                                              double least);
 

@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <proj.h>
 #include <string>
 
 #include "schemas/error.hpp"
+#include "worker/base/angle.hpp"
 
 namespace divemesh::io {
 namespace {
 
-constexpr double kRadPerDeg = std::numbers::pi / 180.0;
 constexpr double kNorthIsY_deg = 90.0;
 
 struct Destroy {
@@ -38,12 +37,12 @@ UtmFrame utm_frame(const types::GeographicPosition& position) {
         "+proj=utm +ellps=WGS84 +zone=" + std::to_string(zone) + (south ? " +south" : "");
     const std::unique_ptr<PJ, Destroy> utm(proj_create(context.get(), definition.c_str()));
     if (!utm) throw Error(ErrorCode::Unavailable, "PROJ does not know " + definition);
-    const PJ_COORD place =
-        proj_coord(position.longitude_deg * kRadPerDeg, position.latitude_deg * kRadPerDeg, 0, 0);
+    const PJ_COORD place = proj_coord(
+        position.longitude_deg * base::kRadPerDeg, position.latitude_deg * base::kRadPerDeg, 0, 0);
     const PJ_COORD origin = proj_trans(utm.get(), PJ_FWD, place);
     const PJ_FACTORS factors = proj_factors(utm.get(), place);
-    const double x_bearing =
-        position.x_azimuth_deg.value_or(kNorthIsY_deg) * kRadPerDeg - factors.meridian_convergence;
+    const double x_bearing = position.x_azimuth_deg.value_or(kNorthIsY_deg) * base::kRadPerDeg -
+                             factors.meridian_convergence;
     const double scale = factors.meridional_scale;
     const double sin = scale * std::sin(x_bearing);
     const double cos = scale * std::cos(x_bearing);

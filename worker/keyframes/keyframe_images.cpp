@@ -54,7 +54,6 @@ void write_keyframe_images(const std::filesystem::path& folder,
     std::filesystem::create_directories(folder / "keyframes");
     for (std::size_t begin = 0; begin < keyframes.size(); begin += kSlice) {
         Progress done;
-        done.stage = "texture";
         done.fraction = static_cast<double>(begin) / static_cast<double>(keyframes.size());
         progress(done);
         base::for_each_index(

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "worker/camera/synchronise_pair.hpp"
-#include "worker/odometry/dynamic_features.hpp"
+#include "worker/keyframes/mask_dynamic_features.hpp"
 
 namespace divemesh::keyframes {
 
@@ -59,7 +59,7 @@ void KeyframeWriter::store(Waiting& waiting, Lane& lane) const {
         camera::correct_disparities(frame, waiting.depth);
     }
     lane.matched.add(waiting.depth.search);
-    odometry::mask_dynamic_features(waiting.seen.dynamic, waiting.seen.scene, waiting.depth);
+    mask_dynamic_features(waiting.seen.dynamic, waiting.seen.scene, waiting.depth);
     store_.write(frame.index, waiting.depth);
 }
 

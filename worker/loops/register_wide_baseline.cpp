@@ -8,12 +8,12 @@
 #include "worker/odometry/pair_inliers.hpp"
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/support.hpp"
+#include "worker/stats/num_ransac_iterations.hpp"
 
 namespace divemesh::loops {
 namespace {
 
-constexpr int kMaxRansacIterations = 600;
-constexpr double kConfidence = 0.999;
+constexpr stats::RansacLimits kRansac{.max_iterations = 600};
 constexpr double kTolerance_px = 3.0;
 constexpr std::size_t kMinInliers = 10;
 constexpr std::size_t kMinInliersWithPrior = 8;
@@ -38,21 +38,13 @@ std::optional<Eigen::Isometry3d> motion_of_three(const types::RectifiedRig& rig,
     return odometry::refine_pose(rig, three, {horn->T_b_a, std::nullopt, 0.0}).T_current_previous;
 }
 
-int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
-    const double share = static_cast<double>(num_inliers) / static_cast<double>(num_pairs);
-    const double miss = 1.0 - share * share * share;
-    if (miss <= 1.0 - kConfidence) return 1;
-    return static_cast<int>(std::min<double>(
-        kMaxRansacIterations, std::ceil(std::log(1.0 - kConfidence) / std::log(miss))));
-}
-
 Eigen::Isometry3d best_motion(const types::RectifiedRig& rig,
                               const odometry::PointPairs& pairs,
                               std::uint64_t seed) {
     std::mt19937_64 random(seed);
     Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
     double least = odometry::msac_cost(rig, pairs, best, kTolerance_px);
-    int tries = kMaxRansacIterations;
+    int tries = kRansac.max_iterations;
     for (int i = 0; i < tries; ++i) {
         const auto motion = motion_of_three(rig, pairs, random);
         if (!motion) continue;
@@ -61,7 +53,8 @@ Eigen::Isometry3d best_motion(const types::RectifiedRig& rig,
         least = cost;
         best = *motion;
         const auto inliers = odometry::find_inliers(rig, pairs, best, kTolerance_px);
-        tries = std::min(tries, i + 1 + num_iterations_needed(inliers.size(), pairs.size()));
+        tries = std::min(
+            tries, i + 1 + stats::num_ransac_iterations(inliers.size(), pairs.size(), kRansac));
     }
     return best;
 }

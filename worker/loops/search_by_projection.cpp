@@ -2,11 +2,12 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <set>
+#include <ranges>
 
 #include "worker/features/align_patch.hpp"
 #include "worker/features/plane_warp.hpp"
 #include "worker/odometry/refine_pose.hpp"
+#include "worker/types/num_cells.hpp"
 
 namespace divemesh::loops {
 namespace {
@@ -15,8 +16,6 @@ constexpr double kMinCorrelation = 0.8;
 constexpr double kMinDepth_m = 0.05;
 constexpr double kTolerance_px = 2.0;
 constexpr std::size_t kMinFound = 20;
-constexpr int kCellColumns = 8;
-constexpr int kCellRows = 6;
 constexpr std::size_t kMinCells = 8;  // cells of the image with a found point
 // The left image alone does not measure disparity.
 const Eigen::Vector3d kLeftSigma_px(types::kFeatureSigma_px.x(), types::kFeatureSigma_px.y(), 1e4);
@@ -69,15 +68,6 @@ types::Features find_inliers(const types::RectifiedRig& rig,
     return result;
 }
 
-std::size_t num_cells(const types::RectifiedRig& rig, const types::Features& features) {
-    std::set<int> cells;
-    for (const types::Feature& feature : features)
-        cells.insert(static_cast<int>(feature.pixel.y() * kCellRows / rig.height_px) *
-                         kCellColumns +
-                     static_cast<int>(feature.pixel.x() * kCellColumns / rig.width_px));
-    return cells.size();
-}
-
 }  // namespace
 
 void refine_coarse_to_fine(const types::RectifiedRig& rig,
@@ -122,7 +112,9 @@ std::optional<types::Features> search_by_projection(const types::RectifiedRig& r
             found = find_inliers(rig, points, found, T_to_from);
         }
     }
-    if (found.size() < kMinFound || num_cells(rig, found) < kMinCells) return std::nullopt;
+    if (found.size() < kMinFound ||
+        types::num_cells(rig, found | std::views::transform(&types::Feature::pixel)) < kMinCells)
+        return std::nullopt;
     return found;
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "worker/stats/distributions.hpp"
+
 namespace divemesh::markers {
 namespace {
 
@@ -55,7 +57,7 @@ json to_json(const BarMetrics& bar) {
     result.update(error_of(bar.error_m(), bar.known_m));
     result["measured_m"] = *bar.measured_m;
     result["sigma_m"] = bar.sigma_m;
-    const double half = 1.96 * bar.sigma_m;
+    const double half = stats::kNormal975 * bar.sigma_m;
     result["interval95_m"] = {std::max(0.0, *bar.measured_m - half), *bar.measured_m + half};
     if (!bar.leave_one_out_error_m) return result;
     result["leave_one_out"] = error_of(*bar.leave_one_out_error_m, bar.known_m);

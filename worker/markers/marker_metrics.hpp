@@ -84,7 +84,7 @@ struct MarkerMetrics {
     std::vector<Marker> markers;  // by segment, then id
     std::vector<BarMetrics> bars;
     std::optional<MarkerScale> scale;  // nullopt: no bar was measured
-    // The same by what is sure to have been measured: what may scale the result unasked.
+    // The same by what was certainly measured: only this may scale the result automatically.
     std::optional<MarkerScale> trusted_scale;
     double systematic_scale_sigma = 0.0;
     std::optional<ScaleCorrection> correction;  // nullopt: not requested

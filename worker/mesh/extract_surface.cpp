@@ -18,7 +18,7 @@ types::Mesh extract_surface(const fusion::Volume& volume,
                             const std::string& mesher,
                             int num_threads,
                             const base::ProgressCallback& progress) {
-    base::ProgressShare share{"mesh", 0.0, 1.0, progress};
+    base::ProgressShare share{.report = progress};
     share.at(0.0);
     const auto field = volume.field(num_threads);
     share.begin = 0.2;

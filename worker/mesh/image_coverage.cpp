@@ -34,12 +34,12 @@ GridCamera camera_of(const types::RectifiedRig& rig, const types::Keyframe& keyf
 
 // Returns the vertices in the image, with their depth as z; a depth of 0: behind the camera.
 std::vector<Eigen::Vector3f> projected(const types::Mesh& mesh, const GridCamera& camera) {
-    constexpr auto kNearest_m = static_cast<float>(types::RectifiedRig::kMinDepth_m);
+    constexpr auto kMinDepth_m = static_cast<float>(types::RectifiedRig::kMinDepth_m);
     std::vector<Eigen::Vector3f> pixels;
     pixels.reserve(mesh.vertices.size());
     for (const Eigen::Vector3f& vertex : mesh.vertices) {
         const Eigen::Vector3f p = camera.T_cam_world * vertex;
-        if (p.z() < kNearest_m) {
+        if (p.z() < kMinDepth_m) {
             pixels.emplace_back(0.0F, 0.0F, 0.0F);
             continue;
         }

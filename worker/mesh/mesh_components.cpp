@@ -2,23 +2,13 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <numeric>
 #include <utility>
+
+#include "worker/base/disjoint_sets.hpp"
+#include "worker/types/triangle_area.hpp"
 
 namespace divemesh::mesh {
 namespace {
-
-double area_of(const types::Mesh& mesh, const std::array<std::uint32_t, 3>& triangle) {
-    const Eigen::Vector3d a = mesh.vertices[triangle[0]].cast<double>();
-    const Eigen::Vector3d b = mesh.vertices[triangle[1]].cast<double>();
-    const Eigen::Vector3d c = mesh.vertices[triangle[2]].cast<double>();
-    return 0.5 * (b - a).cross(c - a).norm();
-}
-
-std::uint32_t root_of(std::vector<std::uint32_t>& parent, std::uint32_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-}
 
 // `kept` must be sorted.
 template <typename T>
@@ -31,20 +21,15 @@ void keep_entries(std::vector<T>& values, const std::vector<std::uint32_t>& kept
 // Sums an area of each triangle over its component.
 template <typename Area>
 MeshComponents sum_components(const types::Mesh& mesh, const Area& area) {
-    std::vector<std::uint32_t> parent(mesh.vertices.size());
-    std::iota(parent.begin(), parent.end(), 0U);
+    base::DisjointSets sets(mesh.vertices.size());
     for (const auto& triangle : mesh.triangles)
-        for (int k = 1; k < 3; ++k) {
-            const std::uint32_t a = root_of(parent, triangle[0]);
-            const std::uint32_t b = root_of(parent, triangle[k]);
-            parent[std::max(a, b)] = std::min(a, b);
-        }
+        for (int k = 1; k < 3; ++k) sets.join(triangle[0], triangle[k]);
     constexpr std::uint32_t kNone = 0xffffffffU;
     std::vector<std::uint32_t> number(mesh.vertices.size(), kNone);
     MeshComponents components;
     components.of_triangle.reserve(mesh.triangles.size());
     for (const auto& triangle : mesh.triangles) {
-        std::uint32_t& component = number[root_of(parent, triangle[0])];
+        std::uint32_t& component = number[sets.find(triangle[0])];
         if (component == kNone) {
             component = static_cast<std::uint32_t>(components.area_m2.size());
             components.area_m2.push_back(0.0);
@@ -60,13 +45,14 @@ double area_in_voxels(const types::Mesh& mesh, const std::array<std::uint32_t, 3
     double voxel_m = 0.0;
     for (const std::uint32_t vertex : triangle)
         voxel_m += static_cast<double>(mesh.voxel_m[vertex]) / 3.0;
-    return area_of(mesh, triangle) / (voxel_m * voxel_m);
+    return types::triangle_area_m2(mesh, triangle) / (voxel_m * voxel_m);
 }
 
 }  // namespace
 
 MeshComponents find_components(const types::Mesh& mesh) {
-    return sum_components(mesh, [&](const auto& triangle) { return area_of(mesh, triangle); });
+    return sum_components(
+        mesh, [&](const auto& triangle) { return types::triangle_area_m2(mesh, triangle); });
 }
 
 void remove_unreferenced_vertices(types::Mesh& mesh) {
@@ -109,7 +95,7 @@ MeshTopology check_topology(const types::Mesh& mesh) {
     std::vector<bool> used(mesh.vertices.size(), false);
     MeshTopology topology;
     for (const auto& triangle : mesh.triangles) {
-        topology.area_m2 += area_of(mesh, triangle);
+        topology.area_m2 += types::triangle_area_m2(mesh, triangle);
         topology.volume_m3 += mesh.vertices[triangle[0]].cast<double>().dot(
                                   mesh.vertices[triangle[1]].cast<double>().cross(
                                       mesh.vertices[triangle[2]].cast<double>())) /

@@ -4,7 +4,6 @@
 
 #include "worker/odometry/register_points.hpp"
 #include "worker/types/feature.hpp"
-#include "worker/types/keyframe.hpp"
 #include "worker/types/rectified_rig.hpp"
 
 namespace divemesh::odometry {
@@ -44,11 +43,5 @@ private:
     types::Features previous_;  // as the previous frame had them
     types::Features started_;
 };
-
-// Removes from the depth the surface components under dynamic features that have no static feature
-// on them. Static features are those of `scene` that are not in `dynamic`.
-void mask_dynamic_features(const types::Features& dynamic,
-                           const types::Features& scene,
-                           types::DepthMap& depth);
 
 }  // namespace divemesh::odometry

@@ -101,11 +101,11 @@ void learn_bias(imu::InertialPrior& inertial,
                 std::int64_t before_ns,
                 std::int64_t now_ns) {
     if (!inertial.has_gyroscope() || !vision.found) return;
-    const Eigen::Isometry3d T_current_previous =
-        refine_pose(rig, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0})
-            .T_current_previous;
+    const RefinedPose refined =
+        refine_pose(rig, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0});
+    if (refined.outcome.failed()) return;
     const Eigen::Quaterniond q_imu_cam(rig.T_imu_cam.linear());
-    const Eigen::Quaterniond q_previous_current(T_current_previous.linear().transpose());
+    const Eigen::Quaterniond q_previous_current(refined.T_current_previous.linear().transpose());
     inertial.learn_bias(before_ns, now_ns, q_imu_cam * q_previous_current * q_imu_cam.conjugate());
 }
 

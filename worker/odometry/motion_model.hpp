@@ -21,16 +21,17 @@ public:
     // Returns the camera's rotation by the inertial sensors since the last frame; nullopt if
     // unknown.
     std::optional<types::KnownRotation> rotation(std::int64_t timestamp_ns) const;
-    // Returns T_current_previous predicted by the IMU, if velocity and vertical are known; else at
-    // constant velocity, with the inertial sensors' rotation if known. Two seconds after vision was
-    // lost the position stays, as nothing knows it any more.
+    // Returns the predicted T_current_previous. If velocity and vertical are known, the IMU
+    // predicts it. Otherwise the velocity is taken as constant, and the rotation is that of the
+    // inertial sensors if it is known. From two seconds after vision was lost, the predicted
+    // translation is zero.
     Eigen::Isometry3d predict(const std::optional<types::KnownRotation>& rotation,
                               std::int64_t timestamp_ns) const;
-    // Returns true if predict() knows the motion to some pixels: by the IMU, or as it is too soon
-    // to move otherwise.
+    // Returns true if predict() is right to some pixels: by the IMU, or because too little time has
+    // passed for another motion.
     bool predicts_reliably(std::int64_t timestamp_ns) const;
     void advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns);
-    // Tells that vision measured the motion to the last pose.
+    // Records that vision measured the motion to the last pose.
     void confirm_by_vision() { seen_ns_ = timestamp_ns_; }
     // Corrects the last pose, and with an IMU the velocity and the vertical.
     void correct(const Eigen::Isometry3d& T_world_cam) { T_world_cam_ = T_world_cam; }
@@ -39,7 +40,7 @@ public:
         inertial_state_ = InertialState{velocity_world, gravity_direction_world};
     }
 
-    // Tells that the rig rests at the last pose.
+    // Records that the rig rests at the last pose.
     void rest();
 
     // Returns true if vision has not measured the last motions, for longer than the IMU can carry.

@@ -7,12 +7,12 @@
 
 #include "worker/base/horn.hpp"
 #include "worker/odometry/pair_inliers.hpp"
+#include "worker/stats/num_ransac_iterations.hpp"
 
 namespace divemesh::odometry {
 namespace {
 
-constexpr int kMaxRansacIterations = 400;
-constexpr double kConfidence = 0.9999;
+constexpr stats::RansacLimits kRansac{.confidence = 0.9999, .max_iterations = 400};
 
 std::optional<base::AbsoluteOrientation> align(const PointPairs& pairs) {
     std::vector<Eigen::Vector3d> previous;
@@ -34,17 +34,6 @@ PointPairs sample_three(const PointPairs& pairs, std::mt19937_64& random) {
     return {pairs[first], pairs[second], pairs[third]};
 }
 
-// Returns the number of iterations after which three inliers have been drawn together with
-// probability kConfidence.
-int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
-    const double share = static_cast<double>(num_inliers) / static_cast<double>(num_pairs);
-    const double miss = 1.0 - share * share * share;
-    if (num_inliers < 3) return kMaxRansacIterations;
-    if (miss < 1e-9) return 1;
-    return static_cast<int>(std::min<double>(
-        kMaxRansacIterations, std::ceil(std::log(1.0 - kConfidence) / std::log(miss))));
-}
-
 }  // namespace
 
 Registration register_points(const types::RectifiedRig& rig,
@@ -56,7 +45,7 @@ Registration register_points(const types::RectifiedRig& rig,
     if (pairs.size() < kMinInliers) return result;
     std::mt19937_64 random(seed);
     double min_cost = 1e300;
-    int tries = kMaxRansacIterations;
+    int tries = kRansac.max_iterations;
     for (int i = 0; i < tries; ++i) {
         const auto guess = align(sample_three(pairs, random));
         if (!guess) continue;
@@ -65,7 +54,9 @@ Registration register_points(const types::RectifiedRig& rig,
         min_cost = guess_cost;
         result.T_current_previous = guess->T_b_a;
         result.inliers = find_inliers(rig, pairs, guess->T_b_a, tolerance_px);
-        tries = std::min(tries, i + 1 + num_iterations_needed(result.inliers.size(), pairs.size()));
+        tries = std::min(
+            tries,
+            i + 1 + stats::num_ransac_iterations(result.inliers.size(), pairs.size(), kRansac));
     }
     // Horn over all inliers, then once more over those that agree with the result.
     for (int i = 0; i < 2; ++i) {

@@ -8,24 +8,16 @@
 #include "worker/base/horn.hpp"
 #include "worker/odometry/pair_inliers.hpp"
 #include "worker/odometry/refine_pose.hpp"
+#include "worker/stats/num_ransac_iterations.hpp"
 
 namespace divemesh::odometry {
 namespace {
 
-constexpr int kMaxRansacIterations = 60;
-constexpr int kMinRansacIterations = 10;  // several, as one pair's noise moves the translation
-constexpr double kConfidence = 0.9999;
+// Several iterations at least, as one pair's noise moves the translation.
+constexpr stats::RansacLimits kRansac{
+    .sample_size = 1, .confidence = 0.9999, .min_iterations = 10, .max_iterations = 60};
 constexpr double kMaxSigma_rad = 0.02;    // ten pixels: worse than the prediction
 constexpr double kMinTrustedShare = 0.7;  // share of pairs that confirms the known rotation
-
-// Returns the number of iterations after which an inlier has been drawn with probability
-// kConfidence.
-int num_iterations_needed(std::size_t num_inliers, std::size_t num_pairs) {
-    const double miss = 1.0 - static_cast<double>(num_inliers) / static_cast<double>(num_pairs);
-    if (miss <= 1.0 - kConfidence) return kMinRansacIterations;
-    const double tries = std::ceil(std::log(1.0 - kConfidence) / std::log(miss));
-    return static_cast<int>(std::clamp<double>(tries, kMinRansacIterations, kMaxRansacIterations));
-}
 
 // Returns the best motion among the expected one and those with the gyroscope's rotation.
 Eigen::Isometry3d best_translation(const types::RectifiedRig& rig,
@@ -37,8 +29,8 @@ Eigen::Isometry3d best_translation(const types::RectifiedRig& rig,
     std::mt19937_64 random(seed);
     Eigen::Isometry3d best = expected;
     double min_cost = msac_cost(rig, pairs, best, tolerance_px);
-    int tries =
-        num_iterations_needed(find_inliers(rig, pairs, best, tolerance_px).size(), pairs.size());
+    int tries = stats::num_ransac_iterations(
+        find_inliers(rig, pairs, best, tolerance_px).size(), pairs.size(), kRansac);
     for (int i = 0; i < tries; ++i) {
         const PointPair& pair = pairs[random() % pairs.size()];
         Eigen::Isometry3d guess = Eigen::Isometry3d::Identity();
@@ -48,8 +40,8 @@ Eigen::Isometry3d best_translation(const types::RectifiedRig& rig,
         if (cost >= min_cost) continue;
         min_cost = cost;
         best = guess;
-        tries = num_iterations_needed(find_inliers(rig, pairs, best, tolerance_px).size(),
-                                      pairs.size());
+        tries = stats::num_ransac_iterations(
+            find_inliers(rig, pairs, best, tolerance_px).size(), pairs.size(), kRansac);
     }
     return best;
 }

@@ -10,7 +10,9 @@
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/odometry/refine_pose.hpp"
+#include "worker/stats/distributions.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::odometry {
 namespace {
@@ -19,14 +21,11 @@ constexpr std::int64_t kMinRest_ns = 1'000'000'000;
 constexpr std::size_t kMinNumPairs = 30;
 constexpr std::size_t kMinNumPairsAtRest = 6;  // once the rig rests
 constexpr std::int64_t kMaxUnseen_ns = 2'000'000'000;
-constexpr double kMoved_px = 1.0;  // median shift since the anchor
-// 99 % of a chi-squared variable with six degrees of freedom.
-constexpr double kMaxChiSquared = 16.8;
-constexpr double kMaxChiSquaredOfThree = 11.3;
+constexpr double kMoved_px = 1.0;     // median shift since the anchor
+constexpr double kConfidence = 0.99;  // beyond which a motion is significant
 // The noise of features that stay in place is measured, as a share of the usual noise. Below this
 // share, errors that all features have in common (light, compression) prevail.
 constexpr double kMinNoise = 0.2;
-constexpr double kMadOfNormal = 0.6745;
 
 double median_shift_px(const PointPairs& pairs) {
     std::vector<double> shifts_px;
@@ -48,7 +47,7 @@ double noise_of(const types::RectifiedRig& rig,
             errors.push_back(std::abs(error[axis]) /
                              (std::sqrt(2.0) * types::kFeatureSigma_px[axis]));
     }
-    return std::max(kMinNoise, stats::upper_median(std::move(errors)) / kMadOfNormal);
+    return std::max(kMinNoise, stats::kSigmasPerMad * stats::upper_median(std::move(errors)));
 }
 
 double largest_sigma(const Eigen::Matrix3d& covariance) {
@@ -72,7 +71,12 @@ std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
         return std::nullopt;
     }
     if (now_ns - anchor_ns_ < kMinRest_ns) return std::nullopt;
-    T_anchor_cam_ = significant_motion(pairs);
+    const auto motion = significant_motion(pairs);
+    if (!motion) {
+        restart();
+        return std::nullopt;
+    }
+    T_anchor_cam_ = *motion;
     if (T_anchor_cam_.matrix().isIdentity()) join_anchor(features);
     return T_world_anchor_ * T_anchor_cam_;
 }
@@ -94,11 +98,12 @@ bool RestDetector::hardly_moved(const PointPairs& pairs) const {
 }
 
 // Returns T_anchor_cam: the identity if noise explains the motion, a rotation if noise explains its
-// translation.
-Eigen::Isometry3d RestDetector::significant_motion(const PointPairs& pairs) {
-    const Eigen::Isometry3d T_cam_anchor =
-        refine_pose(rig_, pairs, {Eigen::Isometry3d::Identity(), std::nullopt, 0.0})
-            .T_current_previous;
+// translation; nullopt if the solver failed.
+std::optional<Eigen::Isometry3d> RestDetector::significant_motion(const PointPairs& pairs) {
+    const RefinedPose refined =
+        refine_pose(rig_, pairs, {Eigen::Isometry3d::Identity(), std::nullopt, 0.0});
+    if (refined.outcome.failed()) return std::nullopt;
+    const Eigen::Isometry3d& T_cam_anchor = refined.T_current_previous;
     const Eigen::Vector3d turned =
         base::vector_from_rotation(Eigen::Quaterniond(T_cam_anchor.linear()));
     const Eigen::Vector3d moved = T_cam_anchor.translation();
@@ -108,10 +113,12 @@ Eigen::Isometry3d RestDetector::significant_motion(const PointPairs& pairs) {
     const double noise = noise_of(rig_, pairs, T_cam_anchor);
     sigma_rad_ = noise * largest_sigma(covariance.topLeftCorner<3, 3>());
     sigma_m_ = noise * largest_sigma(covariance.bottomRightCorner<3, 3>());
-    if (motion.dot(covariance.ldlt().solve(motion)) < kMaxChiSquared * noise * noise)
+    static const double max_of_six = stats::chi_square_quantile(kConfidence, 6.0);
+    static const double max_of_three = stats::chi_square_quantile(kConfidence, 3.0);
+    if (motion.dot(covariance.ldlt().solve(motion)) < max_of_six * noise * noise)
         return Eigen::Isometry3d::Identity();
     const Eigen::Vector3d weighted = covariance.bottomRightCorner<3, 3>().ldlt().solve(moved);
-    if (moved.dot(weighted) > kMaxChiSquaredOfThree * noise * noise) return T_cam_anchor.inverse();
+    if (moved.dot(weighted) > max_of_three * noise * noise) return T_cam_anchor.inverse();
     Eigen::Isometry3d T_anchor_cam = Eigen::Isometry3d::Identity();
     T_anchor_cam.linear() =
         base::rotation_from_vector(covariance.topRightCorner<3, 3>() * weighted - turned)

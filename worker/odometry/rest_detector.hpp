@@ -46,7 +46,7 @@ public:
 private:
     bool hardly_moved(const PointPairs& pairs) const;
     void join_anchor(const types::Features& features);
-    Eigen::Isometry3d significant_motion(const PointPairs& pairs);
+    std::optional<Eigen::Isometry3d> significant_motion(const PointPairs& pairs);
 
     types::RectifiedRig rig_;
     types::Features anchor_;

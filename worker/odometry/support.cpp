@@ -1,10 +1,11 @@
 #include "worker/odometry/support.hpp"
 
-#include <set>
+#include <ranges>
 #include <utility>
 #include <vector>
 
 #include "worker/stats/median.hpp"
+#include "worker/types/num_cells.hpp"
 
 namespace divemesh::odometry {
 namespace {
@@ -21,8 +22,6 @@ constexpr double kMinShareFound = 0.05;
 // Where the texture repeats, a tenth of them finds a neighbour that agrees with a wrong motion.
 constexpr double kMinUnexpectedShareFound = 0.15;
 constexpr double kNearPrediction_px = 4.0;
-constexpr int kCellColumns = 8;
-constexpr int kCellRows = 6;
 constexpr std::size_t kMinCells = 6;  // cells of the image with an inlier
 
 double share(std::size_t part, std::size_t whole) {
@@ -44,12 +43,9 @@ double median_error_px(const types::RectifiedRig& rig,
 }  // namespace
 
 std::size_t num_cells(const types::RectifiedRig& rig, const PointPairs& pairs) {
-    std::set<int> cells;
-    for (const PointPair& pair : pairs)
-        cells.insert(static_cast<int>(pair.current_px.y() * kCellRows / rig.height_px) *
-                         kCellColumns +
-                     static_cast<int>(pair.current_px.x() * kCellColumns / rig.width_px));
-    return cells.size();
+    return types::num_cells(rig, pairs | std::views::transform([](const PointPair& pair) {
+                                     return Eigen::Vector2d(pair.current_px.head<2>());
+                                 }));
 }
 
 bool is_near_prediction(const types::RectifiedRig& rig,

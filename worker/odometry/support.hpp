@@ -17,20 +17,22 @@ bool is_near_prediction(const types::RectifiedRig& rig,
                         const PointPairs& pairs,
                         const Eigen::Isometry3d& expected);
 
-// Returns true if a motion found by tracking from the prediction `expected` needs no confirmation:
-// most pairs agree on it, spread over the image, and they are enough, and no tiny share of the
-// `num_previous` features that the previous frame had with depth, if it is the predicted motion
-// within some pixels. Another motion, and any if nothing is expected, must hold for a good part of
-// those features: features that moved farther may have been taken for their neighbours where the
-// texture repeats, all in the same way.
+// Returns true if a motion that was found by tracking needs no confirmation. Most pairs must agree
+// on it, spread over the image. `num_previous` is the number of features with depth in the previous
+// frame.
+//
+// If the motion is within some pixels of the prediction `expected`, ten inliers that are at least
+// 5 % of those features are enough. Otherwise, or without a prediction, it needs twenty inliers
+// that are at least 40 % of them: where the texture repeats, many features that moved farther may
+// be mistaken for their neighbours in the same way.
 bool well_supported(const types::RectifiedRig& rig,
                     const Registration& motion,
                     std::size_t num_previous,
                     const std::optional<Eigen::Isometry3d>& expected);
 
-// Returns true if chance explains a motion: a tiny share of the `num_previous` features that were
-// looked for agree on it, or it is not the predicted one and few pairs, a small share of them or a
-// small share of the features do.
+// Returns true if a motion can be the result of chance. That is so if only a tiny share of the
+// `num_previous` features agree on it. A motion that differs from the prediction can also be chance
+// if few pairs agree on it, or a small share of the pairs or of the features.
 bool explained_by_chance(const types::RectifiedRig& rig,
                          const Registration& motion,
                          std::size_t num_previous,

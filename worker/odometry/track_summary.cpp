@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "worker/base/angle.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::odometry {
@@ -55,7 +55,7 @@ types::TrackStatistics TrackSummary::statistics() const {
         share(static_cast<double>(num_features_), std::max<std::int64_t>(0, num_frames_ - 1));
     result.inlier_share = share(static_cast<double>(num_inliers_), num_pairs_);
     result.imu_vision_disagreement_deg =
-        std::sqrt(share(squared_disagreement_, num_disagreements_)) * 180.0 / std::numbers::pi;
+        std::sqrt(share(squared_disagreement_, num_disagreements_)) * base::kDegPerRad;
     result.horn_scale_median = scales_.empty() ? 1.0 : stats::upper_median(scales_);
     result.median_depth_m = stats::upper_median(depths_m_);
     std::vector<double> lives = lives_frames_;

@@ -6,11 +6,12 @@
 #include "worker/optimisation/covariance_between.hpp"
 #include "worker/optimisation/follow_keyframes.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::optimisation {
 namespace {
 
-constexpr double kMedianOfThree = 2.366;  // median of chi-square with 3 degrees of freedom
+constexpr double kMedianOfThree = stats::kMedianNormOfThree * stats::kMedianNormOfThree;
 
 // Variances per axis.
 struct Variance {

@@ -4,6 +4,7 @@
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/optimisation/ceres_outcome.hpp"
 #include "worker/optimisation/residuals/point_transfer.hpp"
 #include "worker/optimisation/residuals/rotation_prior.hpp"
@@ -13,8 +14,8 @@ namespace divemesh::optimisation {
 odometry::RefinedPose refine_pose_by_ceres(const types::RectifiedRig& rig,
                                            const odometry::PointPairs& pairs,
                                            const odometry::MotionGuess& guess) {
-    const Eigen::AngleAxisd start(guess.T_current_previous.linear());
-    Eigen::Vector3d rodrigues = start.angle() * start.axis();
+    Eigen::Vector3d rodrigues =
+        base::vector_from_rotation(Eigen::Quaterniond(guess.T_current_previous.linear()));
     Eigen::Vector3d translation = guess.T_current_previous.translation();
     ceres::Problem problem;
     for (const odometry::PointPair& pair : pairs)
@@ -41,11 +42,7 @@ odometry::RefinedPose refine_pose_by_ceres(const types::RectifiedRig& rig,
     odometry::RefinedPose refined{guess.T_current_previous, outcome_of(summary)};
     if (!summary.IsSolutionUsable()) return refined;
     Eigen::Isometry3d& T_current_previous = refined.T_current_previous;
-    T_current_previous = Eigen::Isometry3d::Identity();
-    const double angle = rodrigues.norm();
-    if (angle > 1e-12)
-        T_current_previous.linear() =
-            Eigen::AngleAxisd(angle, rodrigues / angle).toRotationMatrix();
+    T_current_previous.linear() = base::rotation_from_vector(rodrigues).toRotationMatrix();
     T_current_previous.translation() = translation;
     return refined;
 }

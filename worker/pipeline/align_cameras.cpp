@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "worker/base/angle.hpp"
 #include "worker/base/parallel.hpp"
 #include "worker/base/text.hpp"
 #include "worker/calibration/stereo_alignment.hpp"
@@ -25,7 +26,6 @@ constexpr int kFramesPerWindow = 8;  // of the dive; more windows would read fra
 constexpr double kEnoughBiasSigma_px = 0.04;
 constexpr double kNoBiasSigma_px = 0.12;
 constexpr double kTold_px = 0.7;  // findings begin here
-constexpr double kDegPerRad = 57.29577951308232;
 
 // Returns i as a fraction with its binary digits reversed: any first few are spread evenly over
 // [0, 1) (van der Corput 1935).
@@ -157,7 +157,7 @@ void align_ranges(const types::Recording& recording,
     calibration::add_ranges(recording.rig(), rectifier.rig(), ranges, alignment);
 }
 
-std::string degrees(double angle_rad) { return base::fixed(kDegPerRad * angle_rad, 2); }
+std::string degrees(double angle_rad) { return base::fixed(base::kDegPerRad * angle_rad, 2); }
 
 // Returns what the change does to disparities, "" where nothing tells it.
 std::string disparities_off(const types::RigAlignment& alignment) {

@@ -10,7 +10,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-// A rest begins anew with the frame after a keyframe, and ends with the frame before the one in
+// A rest begins again with the frame after a keyframe, and ends with the frame before the one in
 // which motion shows. Images follow the rig over so short a time.
 constexpr std::int64_t kMaxBesideRest_ns = 1'000'000'000;
 
@@ -41,7 +41,7 @@ std::vector<optimisation::KnownMotion> known_motions(const types::Track& track,
         const types::Keyframe& from = closed.keyframes[k - 1];
         const types::Keyframe& to = closed.keyframes[k];
         if (const auto rest = rest_between(track.rests, from, to)) {
-            // The short motions beside the rest err as much again.
+            // The short motions before and after the rest have the same error once more.
             motions.push_back({k,
                                pose_at(track.odometry, from.timestamp_ns).inverse() *
                                    pose_at(track.odometry, to.timestamp_ns),

@@ -9,9 +9,10 @@
 
 namespace divemesh::pipeline {
 
-// Returns what is known of the motions between keyframes beside landmarks and IMU: where the rig
-// rested, as the rest tells; where the scene was lost and no IMU measured either, as predicted.
-// `closed` holds the keyframes as they are now, `track` the rest.
+// Returns the motions between consecutive keyframes that are known besides those by landmarks and
+// IMU. Where the rig rested, the motion is the tracked one, with the sigma of the rest. Where the
+// scene was lost and the IMU measured nothing, it is the predicted one, with the sigma of the drift
+// model. `closed` has the keyframes as they are now; rests and tracked poses are those of `track`.
 std::vector<optimisation::KnownMotion> known_motions(const types::Track& track,
                                                      const types::Track& closed,
                                                      const imu::InertialPrior& inertial,

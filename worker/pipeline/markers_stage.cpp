@@ -30,7 +30,7 @@ std::vector<markers::TagView> find_tags(Reconstruction& made,
                                  made.optimised.keyframes,
                                  made.marker_plan->family,
                                  refined ? &*refined : nullptr,
-                                 {.stage = "optimise", .report = progress},
+                                 {.report = progress},
                                  made.options().num_threads);
 }
 
@@ -58,22 +58,24 @@ Finding corrected_finding(const evaluation::CombinedScale& scale) {
                                " against the cameras), so the whole result was scaled by " +
                                base::fixed(scale.factor, 4) + " +- " + base::fixed(scale.sigma, 4);
     if (!scale.refuted)
-        return {Severity::Info,
-                "scale_corrected",
-                "",
-                "what measures lengths knows the scale better than the cameras" + scaled,
-                "correct_scale=off leaves the scale as calibrated"};
+        return {
+            Severity::Info,
+            "scale_corrected",
+            "",
+            "other measurements of length determine the scale better than the cameras do" + scaled,
+            "correct_scale=off leaves the scale as calibrated"};
     return {
         Severity::Warning,
         "scale_corrected",
         "",
-        "what measures lengths contradicts the cameras' calibration" + scaled,
+        "other measurements of length contradict the calibration of the cameras" + scaled,
         "calibrate the rig again in water, above all its baseline; correct_scale=off leaves the "
         "scale as calibrated"};
 }
 
-// Scales the result where all that measures lengths together differs from the cameras.
-void correct_scale_unasked(const std::vector<markers::TagView>& views, Reconstruction& made) {
+// Scales the result where the other measurements of length together differ from the cameras, or
+// determine the scale better.
+void correct_scale_automatically(const std::vector<markers::TagView>& views, Reconstruction& made) {
     made.scale_correction = evaluation::scale_correction(
         scale_sources(made).told, made.optimised.statistics.path.scale_sigma);
     if (!made.scale_correction) return;
@@ -96,7 +98,7 @@ void run_markers(Reconstruction& made, const base::ProgressCallback& progress) {
         made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made.optimised));
     }
     if (made.options().correct_scale == "on") correct_scale(views, made);
-    if (made.options().correct_scale == "auto") correct_scale_unasked(views, made);
+    if (made.options().correct_scale == "auto") correct_scale_automatically(views, made);
 }
 
 }  // namespace divemesh::pipeline

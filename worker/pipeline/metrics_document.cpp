@@ -10,6 +10,7 @@
 #include "schemas/content_hash.hpp"
 #include "schemas/json.hpp"
 #include "schemas/verdict.hpp"
+#include "worker/base/angle.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/text.hpp"
 #include "worker/camera/rectified_lens.hpp"
@@ -19,8 +20,6 @@ namespace divemesh::pipeline {
 namespace {
 
 using nlohmann::json;
-
-constexpr double kDegPerRad = 57.29577951308232;
 
 double rate(std::int64_t count, double seconds) {
     return seconds > 0.0 ? static_cast<double>(count) / seconds : 0.0;
@@ -77,8 +76,8 @@ json refined(const MetricsInput& input) {
                      {"shift_px", refined.lens_shift_px},
                      {"applied", refined.lenses_applied}}}};
     if (!input.rig.imu_noise || refined.time_offset_sigma_s <= 0.0) return result;
-    const Eigen::Vector3d w = kDegPerRad * base::vector_from_rotation(refined.imu.q_body_imu);
-    const Eigen::Vector3d sigma = kDegPerRad * refined.rotation_sigma_rad;
+    const Eigen::Vector3d w = base::kDegPerRad * base::vector_from_rotation(refined.imu.q_body_imu);
+    const Eigen::Vector3d sigma = base::kDegPerRad * refined.rotation_sigma_rad;
     result["time_offset_s"] = estimate(refined.imu.time_offset_s, refined.time_offset_sigma_s);
     result["time_offset_s"]["applied"] = refined.time_offset_applied;
     result["rotation_deg"] = {{"vector", {w.x(), w.y(), w.z()}},
@@ -116,7 +115,7 @@ json alignment(const types::RigAlignment& found) {
                                                                          "centre_px"};
     for (int i = 0; i < types::RigChange::kSize; ++i) {
         if (found.sigmas[i] <= 0.0) continue;
-        const double unit = i < types::RigChange::kFocal ? kDegPerRad : 1.0;
+        const double unit = i < types::RigChange::kFocal ? base::kDegPerRad : 1.0;
         result["change"][kNames[static_cast<std::size_t>(i)]] =
             estimate(unit * found.change.values[i], unit * found.sigmas[i]);
     }
@@ -255,7 +254,7 @@ json estimation(const MetricsInput& input) {
     return result;
 }
 
-// Returns the speed. That of the whole run excludes `evaluate`, which only dives with truth have.
+// Returns the speed. That of the whole run excludes the evaluation.
 // It is left out if a stage was reused, as it would belong to another run.
 json speed(const MetricsInput& input) {
     json stages = json::array();
@@ -267,7 +266,7 @@ json speed(const MetricsInput& input) {
         wall_s += stage.wall_s;
         cpu_s += stage.cpu_s;
         any_reused = any_reused || stage.reused;
-        if (stage.stage != "evaluate") pipeline_s += stage.wall_s;
+        if (!stage.is_evaluation) pipeline_s += stage.wall_s;
         json entry = {{"stage", stage.stage},
                       {"wall_s", stage.wall_s},
                       {"cpu_s", stage.cpu_s},

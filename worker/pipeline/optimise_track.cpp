@@ -106,10 +106,14 @@ types::Track TrackOptimiser::closed_track() {
         loops::close_loops(closed.rig, loops_, drift_, closed.keyframes, closed.landmarks);
     if (!outcome) return closed;
     result_.statistics.pose_graph.add(*outcome);
-    // The reprojection error is not checked here: the bundle adjustment moves the landmarks.
+    // Neither the reprojection error nor the distance moved is checked here: the bundle adjustment
+    // moves landmarks and keyframes again, and adjust() checks both then.
     const types::TrackCheck check{agreement(track_, track_, 1, drift_),
                                   agreement(closed, track_, 1, drift_)};
-    if (!outcome->failed() && !contradicts_odometry(check)) return closed;
+    if (!outcome->failed() && !contradicts_odometry(check)) {
+        add(solver_findings(*outcome, "loops_not_converged", "the pose graph of the loops"));
+        return closed;
+    }
     drop_loops(outcome->failed() ? "their pose graph failed: " + outcome->message
                                  : "with them the path contradicts the motion from frame to frame");
     return closed_track();
@@ -122,7 +126,7 @@ void TrackOptimiser::drop_loops(const std::string& why) {
          "",
          std::to_string(loops_.size()) +
              " places that looked like ones seen before were left out: " + why,
-         "nothing tests the drift now: bring markers, or check the calibration"});
+         "the drift is unchecked now: place markers on the next dive, or check the calibration"});
     loops_.clear();
     result_.statistics.loops.num_accepted = 0;
     result_.statistics.loops.largest_correction_m = 0.0;
@@ -166,7 +170,7 @@ bool TrackOptimiser::adjust(types::Track closed) {
     const bool better = !adjusted.outcome.failed() && !is_worse(check);
     if (better || adjusted.outcome.failed())
         add(solver_findings(
-            adjusted.outcome, "adjustment_not_converged", "the adjustment of the whole dive"));
+            adjusted.outcome, "adjustment_not_converged", "bundle adjustment of the whole dive"));
     if (!better) return false;
     take(closed, adjusted);
     return true;
@@ -177,17 +181,17 @@ bool TrackOptimiser::adjust(types::Track closed) {
 void TrackOptimiser::adjust_with_less() {
     if (result_.calibration.is_applied()) {
         result_.calibration.leave_as_stated();
-        result_.findings.push_back(
-            {Severity::Warning,
-             "calibration_not_taken",
-             "",
-             "with the calibration that the dive itself asks for the path agrees less with what "
-             "was measured: it was reconstructed with the calibration as stated",
-             "calibrate the cameras and the inertial unit again"});
+        result_.findings.push_back({Severity::Warning,
+                                    "calibration_not_taken",
+                                    "",
+                                    "the calibration estimated from the dive makes the path fit "
+                                    "the measurements less well: "
+                                    "the stated calibration was used",
+                                    "calibrate the cameras and the inertial unit again"});
         if (adjust(closed_track())) return;
     }
     if (!loops_.empty()) {
-        drop_loops("with them the path agrees less with what was measured");
+        drop_loops("with them the path fits the measurements less well");
         if (adjust(closed_track())) return;
     }
     leave_as_tracked();
@@ -198,8 +202,8 @@ void TrackOptimiser::leave_as_tracked() {
         {Severity::Warning,
          "adjustment_not_taken",
          "",
-         "adjusted as a whole the path agrees less with what was measured: it is given as it was "
-         "tracked, without hindsight and without bounds",
+         "bundle adjustment of the whole dive makes the path fit the measurements less well: the "
+         "path is given as it was tracked, without bounds",
          "check the calibration of the cameras and the inertial unit"});
     types::Track closed = closed_track();
     result_.statistics.check.after = result_.statistics.check.before;

@@ -51,27 +51,41 @@ TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
     motion_.advance(T_current_previous, now_ns);
     if (vision.found) motion_.confirm_by_vision();
     odometry::learn_bias(inertial_, rig_, vision, before_ns, now_ns);
-    const bool first = keyframes_.empty();
-    first ? summary_.add_first_frame() : summary_.add_frame(tracks, vision, guess);
+    keyframes_.empty() ? summary_.add_first_frame() : summary_.add_frame(tracks, vision, guess);
     moving_.classify(pairs, vision);
     features_ = odometry::without_dynamic_features(tracks, pairs, vision);
-    const bool keep = first || (vision.found && keyframe_rule_.due(features_, now_ns));
-    if (keep || !vision.found)
-        odometry::add_new_features(
-            rig_, frame, depth, options_.num_disparities_px, tracker_, features_);
-    if (keep) {
-        keyframe_rule_.taken(features_, now_ns);
-        keyframes_.push_back({frame.index, now_ns, motion_.T_world_cam()});
-    }
+    const bool kept = keep_if_due(frame, depth, vision);
     TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), moving_.before(), {}};
     tracked.by_vision = vision.found;
     tracked.features = odometry::feature_counts(features_);
-    if (keep || (vision.found && mapping_rule_.due(features_))) {
-        mapping_rule_.taken(features_);
-        tracked.to_map = {
-            frame, std::move(depth), {{}, moving_.now(), odometry::static_features(vision), {}}};
-    }
+    tracked.to_map = to_map(frame, std::move(depth), vision, kept);
     return tracked;
+}
+
+// Makes a keyframe of the frame if one is due, and adds new features to it. Returns true if it did.
+bool PairwiseTracker::keep_if_due(const types::RectifiedFrame& frame,
+                                  const types::DepthMap& depth,
+                                  const odometry::Registration& vision) {
+    const std::int64_t now_ns = frame.timestamp_ns;
+    const bool keep = keyframes_.empty() || (vision.found && keyframe_rule_.due(features_, now_ns));
+    if (keep || !vision.found)
+        odometry::add_new_features(
+            rig_, frame, depth, options_.num_disparities_px, tracker_, features_);
+    if (!keep) return false;
+    keyframe_rule_.taken(features_, now_ns);
+    keyframes_.push_back({frame.index, now_ns, motion_.T_world_cam()});
+    return true;
+}
+
+// Returns the frame for the map if it is a keyframe or the image has moved far enough.
+std::optional<FrameToMap> PairwiseTracker::to_map(const types::RectifiedFrame& frame,
+                                                  types::DepthMap depth,
+                                                  const odometry::Registration& vision,
+                                                  bool kept) {
+    if (!kept && !(vision.found && mapping_rule_.due(features_))) return std::nullopt;
+    mapping_rule_.taken(features_);
+    return FrameToMap{
+        frame, std::move(depth), {{}, moving_.now(), odometry::static_features(vision), {}}};
 }
 
 void PairwiseTracker::move_to(types::Track& track) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "schemas/reconstruction_options.hpp"
@@ -28,6 +29,14 @@ public:
     void move_to(types::Track& track) override;
 
 private:
+    bool keep_if_due(const types::RectifiedFrame& frame,
+                     const types::DepthMap& depth,
+                     const odometry::Registration& vision);
+    std::optional<FrameToMap> to_map(const types::RectifiedFrame& frame,
+                                     types::DepthMap depth,
+                                     const odometry::Registration& vision,
+                                     bool kept);
+
     types::RectifiedRig rig_;
     ReconstructionOptions options_;
     stereo::StereoMatcher stereo_;

@@ -8,6 +8,7 @@
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/register_points.hpp"
+#include "worker/pipeline/motion_between_exposures.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -57,9 +58,7 @@ public:
 
     // Returns a share of the last step's motion; nullopt if it is none.
     std::optional<types::ExposureMotion> moved_by(double share) const {
-        const double disparity_px = odometry::median_disparity_px(features_);
-        if (share == 0.0 || disparity_px <= 0.0) return std::nullopt;
-        return camera::exposure_motion(rig_, motion_, share, disparity_px);
+        return motion_between_exposures(rig_, motion_, share, features_);
     }
 
     calibration::RangeWindow window() const {

@@ -6,6 +6,7 @@
 #include "worker/base/background_task.hpp"
 #include "worker/fusion/voxel_size.hpp"
 #include "worker/imu/inertial_prior.hpp"
+#include "worker/loops/drift_model.hpp"
 #include "worker/mesh/extract_surface.hpp"
 #include "worker/pipeline/depth_view_prefetcher.hpp"
 #include "worker/pipeline/measured_poses.hpp"
@@ -13,6 +14,7 @@
 #include "worker/pipeline/pairwise_tracker.hpp"
 #include "worker/pipeline/sensor_findings.hpp"
 #include "worker/pipeline/solver_findings.hpp"
+#include "worker/pipeline/track_agreement.hpp"
 #include "worker/pipeline/tracking_findings.hpp"
 #include "worker/pipeline/window_tracker.hpp"
 
@@ -30,6 +32,17 @@ types::OptimisedTrack as_tracked(const types::Track& track) {
     result.mapped = track.mapped;
     result.rig = track.rig;
     return result;
+}
+
+// Checks a track that nothing adjusts against its own observations.
+void check_as_tracked(const types::Track& track,
+                      const types::Recording& recording,
+                      const ReconstructionOptions& options,
+                      types::OptimisedTrack& result) {
+    const imu::InertialPrior inertial(recording, options, track.left_out);
+    const loops::DriftModel drift(track.keyframes, track.landmarks, &inertial);
+    result.statistics.check.before = agreement(track, track, 1, drift);
+    result.statistics.check.after = result.statistics.check.before;
 }
 
 // Leaves out a pressure sensor that contradicts the path.
@@ -87,7 +100,7 @@ types::Track track(types::Recording& recording,
                    const ReconstructionOptions& options,
                    const keyframes::KeyframeStore& store,
                    const base::ProgressCallback& progress) {
-    types::Track result = options.estimator == "pairwise"
+    types::Track result = options.is_pairwise()
                               ? track_pairwise(recording, options, store, progress)
                               : track_window(recording, options, store, progress);
     bridge_by_imu(imu::InertialPrior(recording, options, result.left_out), result);
@@ -104,12 +117,12 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const types::RigAlignment& alignment,
                                const base::ProgressCallback& progress) {
     const auto untracked = too_little_tracked(track);
-    const bool whole_dive = !untracked && options.adjust_whole_dive &&
-                            options.estimator != "pairwise" &&
+    const bool whole_dive = !untracked && options.adjust_whole_dive && !options.is_pairwise() &&
                             track.keyframes.size() >= 2;  // the paper ends before this
     types::OptimisedTrack result =
         whole_dive ? optimise_track(track, recording, options, store, alignment, progress)
                    : as_tracked(track);
+    if (!whole_dive && !untracked) check_as_tracked(track, recording, options, result);
     std::vector<Finding> findings = track.findings;
     const auto lost = tracking_findings(track);
     findings.insert(findings.end(), lost.begin(), lost.end());
@@ -120,7 +133,12 @@ types::OptimisedTrack optimise(const types::Track& track,
     } else if (const auto finding = divergence(track, result)) {
         findings.insert(findings.begin(), *finding);
         findings.insert(findings.end(), result.findings.begin(), result.findings.end());
+        const types::OptimiseStatistics ended = result.statistics;
         result = as_tracked(track);
+        result.statistics.pose_graph = ended.pose_graph;
+        result.statistics.calibration = ended.calibration;
+        result.statistics.bundle_adjustment = ended.bundle_adjustment;
+        result.statistics.check = ended.check;
     }
     result.findings.insert(result.findings.begin(), findings.begin(), findings.end());
     set_predicted_apart(result);
@@ -141,7 +159,6 @@ FusedMap fuse(const FramesToFuse& input,
     // points are to be closer than a voxel requires.
     const std::size_t cloud_step = map.cloud->voxel_m() < 0.5 * settings.voxel_m ? 1 : kCloudStep;
     Progress done;
-    done.stage = "fuse";
     done.num_frames = static_cast<std::int64_t>(frames.size());
     base::TaskPool task_pool(options.num_threads);
     const auto voxel_at = [&](double depth_m) {

@@ -48,7 +48,7 @@ std::vector<Stage<Reconstruction>> reconstruction_stages() {
                   .files = {"texture", "texture.stage"}},
          .wanted = surface_wanted, .load = load_texture, .run = run_texture, .save = save_texture, .finish = finish_texture},
 
-        {.spec = {.name = "evaluate", .share = 0.07, .reads = {"exports"}}, .run = run_evaluate},
+        {.spec = {.name = "evaluate", .share = 0.07, .reads = {"exports"}, .is_evaluation = true}, .run = run_evaluate},
     };
 }
 // clang-format on

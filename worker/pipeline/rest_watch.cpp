@@ -16,7 +16,7 @@ std::optional<Eigen::Isometry3d> RestWatch::watch(const odometry::Registration& 
                                                   const Eigen::Isometry3d& estimated,
                                                   std::int64_t now_ns) {
     if (!vision.found) return std::nullopt;
-    if (turns_by_gyroscope(now_ns)) {
+    if (rotates_by_gyroscope(now_ns)) {
         detector_.restart();
         return std::nullopt;
     }
@@ -26,7 +26,7 @@ std::optional<Eigen::Isometry3d> RestWatch::watch(const odometry::Registration& 
     return T_world_rest->inverse() * motion_.T_world_cam();
 }
 
-bool RestWatch::turns_by_gyroscope(std::int64_t now_ns) const {
+bool RestWatch::rotates_by_gyroscope(std::int64_t now_ns) const {
     const auto turned = inertial_.rotation(now_ns - kTurnTime_ns, now_ns);
     if (!turned) return false;
     const double angle_rad = Eigen::AngleAxisd(turned->q).angle();

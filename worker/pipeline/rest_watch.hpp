@@ -29,7 +29,7 @@ public:
                                            std::int64_t now_ns);
     // Uses that the rig rests, once `motion` has advanced to the frame.
     void settle(std::int64_t now_ns);
-    // Begins anew: the map has changed.
+    // Begins again: the map has changed.
     void restart() { detector_.restart(); }
     // Returns true if the image has hardly moved since an earlier frame, however recent.
     bool hardly_moves() const { return detector_.hardly_moves(); }
@@ -37,7 +37,7 @@ public:
     const std::vector<types::Rest>& rests() const { return rests_; }
 
 private:
-    bool turns_by_gyroscope(std::int64_t now_ns) const;
+    bool rotates_by_gyroscope(std::int64_t now_ns) const;
 
     types::RectifiedRig rig_;
     imu::InertialPrior& inertial_;

@@ -75,7 +75,7 @@ std::optional<Finding> surface_finding(std::int64_t num_triangles) {
                    "the mesh has no triangles: no depth was measured that several frames agree on",
                    "check that left and right images are equally sharp and fit the calibration "
                    "(divemesh validate DIVE), that the scene is within max_depth_m, and that "
-                   "max_sigma_m cuts not all"};
+                   "max_sigma_m does not cut away the whole surface"};
 }
 
 }  // namespace divemesh::pipeline

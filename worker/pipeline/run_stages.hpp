@@ -82,6 +82,7 @@ void run_stages(const std::vector<Stage<State>>& stages,
         if (stage.finish != nullptr) stage.finish(state);
         StageTime time = watch.stop(spec.name);
         time.reused = reused;
+        time.is_evaluation = spec.is_evaluation;
         settings.done(spec, time);
     }
 }

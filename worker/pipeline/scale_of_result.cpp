@@ -55,7 +55,8 @@ void apply(const markers::WorldScale& scale, types::OptimisedTrack& optimised) {
 types::CovarianceTrack with_scale_sigma(const types::OptimisedTrack& optimised, double sigma) {
     return evaluation::with_scale_sigma(
         optimised.covariances,
-        evaluation::ways_from_start(optimised.trajectory, optimised.keyframes, optimised.breaks_ns),
+        evaluation::offsets_from_start(
+            optimised.trajectory, optimised.keyframes, optimised.breaks_ns),
         optimised.statistics.path.shared_scale_sigma,
         sigma);
 }

@@ -9,9 +9,9 @@ namespace divemesh::pipeline {
 // known lengths measure it, and it is no drift between the ends of one.
 types::CovarianceTrack covariances_without_scale(const types::OptimisedTrack& optimised);
 
-// Returns what all that measured lengths beside the cameras says of the scale of the result as it
-// is: before the scale is corrected, and of what is given out. Known distances that are not marked
-// in the images count once they are evaluated.
+// Returns the scale of the current result by each source that measures lengths besides the cameras.
+// Called before the scale is corrected, and again for the scale that is reported. Known distances
+// that are not marked in the images count once they are evaluated.
 evaluation::ScaleSources scale_sources(const Reconstruction& made);
 
 // Scales the result: every pose, and what is known of the error of its scale. `sigma` is that of

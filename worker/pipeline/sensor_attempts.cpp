@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "worker/imu/clipped_readings.hpp"
+#include "worker/dive/clipped_readings.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -21,7 +21,7 @@ std::int64_t num_by_vision(const types::Track& track) {
 // The dive's findings tell of clipped readings.
 SensorAttempts::SensorAttempts(const types::Recording& recording) {
     const auto& samples = recording.imu();
-    plan_.accelerometer_clipped = imu::clipped_forces(samples).spoil(samples.size());
+    plan_.accelerometer_clipped = dive::clipped_forces(samples).spoil(samples.size());
     plan_.left_out.accelerometer = plan_.accelerometer_clipped;
 }
 

@@ -20,7 +20,7 @@ public:
     explicit SensorAttempts(const types::Recording& recording);
 
     const imu::SensorPlan& plan() const { return plan_; }
-    // Takes in what came of the plan. Returns true if the dive has to be tracked anew with plan().
+    // Takes in what came of the plan. Returns true if the dive has to be tracked again with plan().
     bool again(const imu::SensorWatch& watch, const types::Track& track);
 
 private:

@@ -25,8 +25,8 @@ std::string cause(const imu::GyroscopeJudgement& judgement) {
             return "the " + axis_or_axes(judgement.axes) + " of the IMU " +
                    (judgement.axes.size() > 1 ? "are exchanged or mirrored" : "is mirrored");
         case imu::GyroscopeFault::Turned:
-            return "the IMU is mounted otherwise than T_BS says: its " +
-                   axis_or_axes(judgement.axes) + " point elsewhere";
+            return "the IMU is not mounted as T_BS says: its " + axis_or_axes(judgement.axes) +
+                   " point in other directions";
         case imu::GyroscopeFault::Scaled:
             return "the gyroscope's rates are " + base::fixed(judgement.scale, 2) +
                    " times those of the images: wrong units, a range that is exceeded, or missing "
@@ -50,8 +50,9 @@ Finding imu_left_out(const imu::GyroscopeJudgement& judgement) {
         kImuTable,
         mismatch(judgement) + "; likely cause: " + cause(judgement) +
             ". The dive was reconstructed without its IMU",
-        "check the IMU's table, its axes and its clock; nothing but the cameras' baseline tells "
-        "the scale now, and the vertical is that of the first image"};
+        "check the IMU's table, its axes and its clock; without it the scale comes from the stereo "
+        "baseline alone, unless known distances or pressure measure it too, and the vertical from "
+        "the first image, unless the dive has pressure or an AHRS"};
 }
 
 double duration_s(const std::vector<types::TimeInterval>& times) {
@@ -91,7 +92,7 @@ Finding accelerometer_left_out(double disagreement_m_s2) {
     return {Severity::Warning,
             "accelerometer_left_out",
             kImuTable,
-            "gravity as the accelerometer measures it turns with the rig: it moves by " +
+            "the gravity that the accelerometer measures rotates with the rig: it moves by " +
                 base::fixed(disagreement_m_s2, 1) +
                 " m/s^2 (median) while the images' orientation is followed; likely cause: the "
                 "accelerometer's axes are not those of the gyroscope, or its units are wrong. Only "
@@ -171,8 +172,8 @@ Finding pressure_left_out(const imu::PressureJudgement& judgement) {
     return {Severity::Warning,
             "pressure_left_out",
             kPressureTable,
-            "the depth by pressure changes by " + base::fixed(judgement.scale, 2) +
-                " times what the images say, with an error of " +
+            "changes of depth by the pressure sensor are " + base::fixed(judgement.scale, 2) +
+                " times those by the images, with an error of " +
                 base::fixed(judgement.error_m, 2) + " m; likely cause: " + cause(judgement) +
                 ". The dive was reconstructed without its pressure sensor",
             "check sign, units, range and clock of the pressure sensor's table"};

@@ -81,7 +81,7 @@ std::vector<bool> jumps_of(const types::OptimisedTrack& result) {
 std::vector<Finding> window_findings(const types::TrackStatistics& track) {
     std::vector<Finding> findings;
     add_failed(track.pose_solver, "the refinement of the motion between two frames", findings);
-    add_failed(track.window_solver, "the adjustment of the sliding window", findings);
+    add_failed(track.window_solver, "bundle adjustment of the sliding window", findings);
     return findings;
 }
 
@@ -117,8 +117,8 @@ std::optional<Finding> divergence(const types::Track& track, const types::Optimi
     const double odometry_m = path_m(track.odometry, jumps);
     if (final_m <= kDivergedPath * odometry_m + kPathSlack_m) return std::nullopt;
     return diverged("the path is " + base::fixed(final_m, 2) +
-                    " m long, by the motion from frame to frame " + base::fixed(odometry_m, 2) +
-                    " m");
+                    " m long, but the motion from frame to frame adds up to " +
+                    base::fixed(odometry_m, 2) + " m");
 }
 
 }  // namespace divemesh::pipeline

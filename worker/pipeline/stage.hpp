@@ -20,6 +20,8 @@ struct StageSpec {
     // Returns true if the `reads` options affect the result; null: they always do. Returns false
     // for an option that only decides whether the stage runs: later stages then stay as they are.
     bool (*reads_count)(const ReconstructionOptions& options) = nullptr;
+    // It judges the result instead of making it: its time is not in the speed of the pipeline.
+    bool is_evaluation = false;
     // Its files and folders in the scratch folder: an entry of the stage store.
     std::vector<std::string> files = {};
 };

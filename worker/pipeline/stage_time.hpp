@@ -10,6 +10,7 @@ struct StageTime {
     double wall_s = 0.0;
     double cpu_s = 0.0;   // of all threads
     bool reused = false;  // loaded from an earlier attempt or another job
+    bool is_evaluation = false;
 };
 
 // A clock of the process's wall-clock and CPU time since its construction.

@@ -107,7 +107,6 @@ double moved_rms_sigmas(const std::vector<types::Keyframe>& before,
                         const std::vector<types::Keyframe>& after,
                         const types::CovarianceTrack& covariances,
                         const loops::DriftModel& drift) {
-    if (covariances.empty()) return 0.0;
     const auto from_first = [](const std::vector<types::Keyframe>& keyframes, std::size_t k) {
         return Eigen::Vector3d(keyframes.front().T_world_cam.inverse() *
                                keyframes[k].T_world_cam.translation());
@@ -116,10 +115,10 @@ double moved_rms_sigmas(const std::vector<types::Keyframe>& before,
     std::size_t num = 0;
     for (std::size_t k = 1; k < after.size(); ++k) {
         if (after[k].segment != after.front().segment) continue;
-        const double variance_m2 =
-            std::pow(drift.position_sigma_m(0, k), 2) +
-            optimisation::covariance_between(covariances, after[k].timestamp_ns)
-                .position_m2.trace();
+        double variance_m2 = std::pow(drift.position_sigma_m(0, k), 2);
+        if (!covariances.empty())
+            variance_m2 += optimisation::covariance_between(covariances, after[k].timestamp_ns)
+                               .position_m2.trace();
         squares += (from_first(after, k) - from_first(before, k)).squaredNorm() / variance_m2;
         ++num;
     }

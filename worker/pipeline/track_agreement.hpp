@@ -20,7 +20,7 @@ types::TrackAgreement agreement(const types::Track& now,
                                 const loops::DriftModel& drift);
 
 // Returns the RMS distance that the keyframes of the first segment moved relative to the first
-// keyframe, in standard deviations of both paths; 0 without covariances.
+// keyframe, in standard deviations of both paths; of the track's drift alone without covariances.
 double moved_rms_sigmas(const std::vector<types::Keyframe>& before,
                         const std::vector<types::Keyframe>& after,
                         const types::CovarianceTrack& covariances,

@@ -39,15 +39,16 @@ public:
 
     // Tracks the next frame; frames must come in order.
     virtual TrackedFrame process(const types::RectifiedFrame& frame) = 0;
-    // Returns true if the dive has to be tracked otherwise: the frames that are left are in vain.
+    // Returns true if the dive has to be tracked again in another way, so that tracking the
+    // remaining frames is useless.
     virtual bool in_vain() const { return false; }
     // Moves keyframes, landmarks, the IMU alignment and statistics to the track.
     virtual void move_to(types::Track& track) = 0;
 };
 
-// Reads all frames of a recording, rectifies them and has `tracker`, whose rig is that of
-// `rectifier`, process each. Writes the frames to map into `store` and reports progress after each
-// frame. Stops early if the tracker says that it works in vain.
+// Reads all frames of a recording, rectifies each and passes it to `tracker`, whose rig is that of
+// `rectifier`. Writes the frames to map into `store` and reports progress after each frame. Stops
+// early if the tracker is in_vain().
 types::Track track_frames(types::Recording& recording,
                           const camera::Rectifier& rectifier,
                           const ReconstructionOptions& options,

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMinShare = 0.1;
 // Share of the frames without a measured pose. Where it is larger, the path is restricted.
 constexpr double kWarningShare = 0.05;
-constexpr std::size_t kMaxLosses = 5;  // told one by one
+constexpr std::size_t kMaxLosses = 5;  // reported one by one
 // A frame with texture has hundreds of features.
 constexpr double kHardlyAnyFeatures = 60.0;
 // Share of the features of the left image that are found in the right one too.
@@ -107,9 +107,9 @@ struct Cause {
 
 Cause too_little_overlap(double overlap, double interval_s) {
     const double needed_hz = std::ceil((1.0 - overlap) / ((1.0 - kSmallOverlap) * interval_s));
-    return {
-        "images overlap by " + base::fixed(100.0 * overlap, 0) + " %",
-        "swim and turn slower, or record above " + base::fixed(needed_hz, 0) + " pairs a second"};
+    return {"consecutive images overlap by only " + base::fixed(100.0 * overlap, 0) + " %",
+            "swim and turn more slowly, or record above " + base::fixed(needed_hz, 0) +
+                " pairs a second"};
 }
 
 // Returns the likely cause of a loss.

@@ -9,6 +9,7 @@
 #include "worker/odometry/predict_orientation.hpp"
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/support.hpp"
+#include "worker/pipeline/motion_between_exposures.hpp"
 #include "worker/pipeline/sensor_attempts.hpp"
 #include "worker/pipeline/sensor_findings.hpp"
 #include "worker/stereo/disparity_search_range.hpp"
@@ -40,13 +41,12 @@ WindowTracker::WindowTracker(const types::RectifiedRig& rig,
 types::RectifiedFrame WindowTracker::synchronised(const types::RectifiedFrame& frame,
                                                   const PredictedMotion& prediction) const {
     const std::int64_t interval_ns = frame.timestamp_ns - state_.motion.timestamp_ns();
-    const double disparity_px = odometry::median_disparity_px(state_.features);
-    if (right_delay_s_ == 0.0 || !prediction.reliable || interval_ns <= 0 || disparity_px <= 0.0)
-        return frame;
+    if (!prediction.reliable || interval_ns <= 0) return frame;
     const double share = right_delay_s_ / (1e-9 * static_cast<double>(interval_ns));
     return camera::synchronise_pair(
         frame,
-        camera::exposure_motion(state_.rig, prediction.T_current_previous, share, disparity_px));
+        motion_between_exposures(
+            state_.rig, prediction.T_current_previous, share, state_.features));
 }
 
 TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {

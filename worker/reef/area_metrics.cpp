@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "worker/base/angle.hpp"
 #include "worker/reef/complexity_relation.hpp"
 #include "worker/reef/fractal_dimension.hpp"
 #include "worker/reef/heights.hpp"
@@ -12,8 +12,6 @@
 
 namespace divemesh::reef {
 namespace {
-
-constexpr double kDegrees = 180.0 / std::numbers::pi;
 
 using Kinds = std::vector<MetricKind>;
 
@@ -107,7 +105,7 @@ MetricKind slope_kind() {
             .measure = [](const Ground& ground) -> std::optional<double> {
                 const auto normal = normal_world(ground);
                 if (!normal) return std::nullopt;
-                return std::atan2(normal->head<2>().norm(), normal->z()) * kDegrees;
+                return std::atan2(normal->head<2>().norm(), normal->z()) * base::kDegPerRad;
             }};
 }
 
@@ -120,7 +118,7 @@ MetricKind aspect_kind() {
                 const auto normal = normal_world(ground);
                 constexpr double kMinSlope = 0.0175;  // 1 degree: flat ground has no aspect
                 if (!normal || normal->head<2>().norm() < kMinSlope) return std::nullopt;
-                const double angle = std::atan2(normal->x(), normal->y()) * kDegrees;
+                const double angle = std::atan2(normal->x(), normal->y()) * base::kDegPerRad;
                 return angle < 0.0 ? angle + 360.0 : angle;
             }};
 }
@@ -141,7 +139,7 @@ void add_terrain(Kinds& kinds, double spacing_m) {
          .method = "of windows of 3 x 3 samples to the area's plane (Horn 1981)",
          .lowest = 0.0},
         &Terrain::mean_slope,
-        kDegrees);
+        base::kDegPerRad);
     add({.metric = "curvature",
          .unit = "1/m",
          .method = "mean, hills positive (Zevenbergen and Thorne 1987)",

@@ -194,7 +194,7 @@ void Measuring::measure_distances() {
     if (!rig || (!all_marked && !has_truth)) {
         cannot("known_distances_not_measured",
                "measurements.json",
-               rig ? "it is not stated for every length where its ends appear in the images"
+               rig ? "not every known distance has its ends marked in the images"
                    : "lengths cannot be measured without the calibration of the rig, which is part "
                      "of the dive",
                rig ? "mark both ends in at least four frames (marks_a, marks_b), or give "

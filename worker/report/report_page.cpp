@@ -42,7 +42,7 @@ json requirements(const json& report) {
 }
 
 json regressions(const json& report) {
-    Grid grid = {{"Figure", "Value", "Allowed by its history", "Median of it", "Earlier values"}};
+    Grid grid = {{"Metric", "Value", "Allowed by its history", "Median of it", "Earlier values"}};
     for (const json& regression : report.at("regressions"))
         grid.push_back({regression.at("figure"),
                         number_text(regression.at("value")),
@@ -149,7 +149,7 @@ HtmlRows truth_rows(const json& report) {
     const bool one_body = lever.value("how", "") == "none";
     rows.emplace_back("Lever arm, m", one_body ? "none: the rig's body" : lever_text);
     if (truth.value("positions_only", false))
-        rows.emplace_back("Orientations", "none: figures of rotation are left out");
+        rows.emplace_back("Orientations", "none: rotation metrics are left out");
     if (truth.contains("residual_rms_m"))
         rows.emplace_back("Residual of the solution, RMS",
                           number_text(truth["residual_rms_m"], "%.1f mm", 1e3));
@@ -169,7 +169,7 @@ json provenance(const json& report) {
 }
 
 json all_metrics(const json& report) {
-    Grid grid = {{"Figure", "Value", "Unit", "Method", "Alignment"}};
+    Grid grid = {{"Metric", "Value", "Unit", "Method", "Alignment"}};
     for (const json& metric : report.at("figures"))
         grid.push_back({metric.at("figure"),
                         number_text(metric.at("value")),

@@ -56,7 +56,7 @@ std::vector<Metric> reef_metrics(const json& reef) {
 
 json reef_table(const json& reef) {
     std::vector<std::vector<std::string>> rows = {
-        {"Area", "Figure", "Label", "At, m", "Value", "Unit", "95 % interval"}};
+        {"Area", "Metric", "Label", "At, m", "Value", "Unit", "95 % interval"}};
     for (const json& metric : list_of(reef)) {
         const bool is_refused = metric.contains("refused");
         rows.push_back(

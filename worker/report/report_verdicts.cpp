@@ -6,6 +6,7 @@
 
 #include "worker/base/text.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::report {
 namespace {
@@ -130,8 +131,8 @@ json find_regressions(const std::map<std::string, std::vector<double>>& history,
         std::vector<double> deviations;
         deviations.reserve(sizes.size());
         for (const double value : sizes) deviations.push_back(std::abs(value - middle));
-        const double allowed =
-            std::max(kSigmas * 1.4826 * stats::median(deviations), kTolerated * middle);
+        const double allowed = std::max(kSigmas * stats::kSigmasPerMad * stats::median(deviations),
+                                        kTolerated * middle);
         const double sign = sense == Better::More ? -1.0 : 1.0;
         if (sign * (size - middle) <= allowed) continue;
         regressions.push_back({{"figure", name},

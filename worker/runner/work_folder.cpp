@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string>
 #include <sys/file.h>
-#include <unistd.h>
 
 #include "schemas/error.hpp"
 
@@ -17,8 +16,8 @@ namespace {
 constexpr const char* kLockName = "lock";
 constexpr const char* kNamePrefix = "worker.";
 
-int open_lock(const std::filesystem::path& folder, int flags) {
-    return open((folder / kLockName).c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0600);
+FileDescriptor open_lock(const std::filesystem::path& folder, int flags) {
+    return FileDescriptor(open((folder / kLockName).c_str(), flags | O_CLOEXEC | O_NOFOLLOW, 0600));
 }
 
 // Removes folders of processes that have ended. A folder that can be locked belongs to no running
@@ -27,10 +26,9 @@ void remove_leftovers(const std::filesystem::path& common) {
     std::error_code ignored;
     for (const auto& entry : std::filesystem::directory_iterator(common, ignored)) {
         if (!entry.path().filename().string().starts_with(kNamePrefix)) continue;
-        const int lock = open_lock(entry.path(), O_RDWR);
-        if (lock < 0) continue;
-        if (flock(lock, LOCK_EX | LOCK_NB) == 0) std::filesystem::remove_all(entry.path(), ignored);
-        close(lock);
+        const FileDescriptor lock = open_lock(entry.path(), O_RDWR);
+        if (lock.is_open() && flock(lock.get(), LOCK_EX | LOCK_NB) == 0)
+            std::filesystem::remove_all(entry.path(), ignored);
     }
 }
 
@@ -47,7 +45,7 @@ WorkFolder::WorkFolder(const std::filesystem::path& common) {
             "cannot create a work folder in " + common.string() + ": " + std::strerror(errno));
     lock_ = open_lock(unlocked, O_RDWR | O_CREAT);
     path_ = common / (kNamePrefix + unlocked.substr(unlocked.size() - 6));
-    if (lock_ < 0 || flock(lock_, LOCK_EX | LOCK_NB) != 0 ||
+    if (!lock_.is_open() || flock(lock_.get(), LOCK_EX | LOCK_NB) != 0 ||
         rename(unlocked.c_str(), path_.c_str()) != 0)
         throw Error(ErrorCode::Unavailable, "cannot lock " + path_.string());
 }
@@ -55,7 +53,6 @@ WorkFolder::WorkFolder(const std::filesystem::path& common) {
 WorkFolder::~WorkFolder() {
     std::error_code ignored;
     std::filesystem::remove_all(path_, ignored);
-    close(lock_);
 }
 
 }  // namespace divemesh::runner

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "schemas/file_descriptor.hpp"
+
 namespace divemesh::runner {
 
 // A folder of one worker process inside the common work folder, locked while the process lives and
@@ -17,7 +19,7 @@ public:
 
 private:
     std::filesystem::path path_;
-    int lock_ = -1;
+    FileDescriptor lock_;  // closed after the folder is removed
 };
 
 }  // namespace divemesh::runner

@@ -49,23 +49,23 @@ nlohmann::json to_json_box(const Eigen::AlignedBox3f& box) {
 }
 
 nlohmann::json to_json(const std::vector<SurfaceChange>& surface) {
-    nlohmann::json pieces = nlohmann::json::array();
+    nlohmann::json patches = nlohmann::json::array();
     double grown_m3 = 0.0;
     double lost_m3 = 0.0;
-    for (const SurfaceChange& piece : surface) {
-        (piece.grown ? grown_m3 : lost_m3) += piece.volume_m3;
-        pieces.push_back({{"names", piece.names},
-                          {"kind", piece.grown ? "grown" : "lost"},
-                          {"area_m2", piece.area_m2},
-                          {"volume_m3", piece.volume_m3},
-                          {"min", {piece.box_world.min().x(), piece.box_world.min().y()}},
-                          {"max", {piece.box_world.max().x(), piece.box_world.max().y()}}});
+    for (const SurfaceChange& patch : surface) {
+        (patch.grown ? grown_m3 : lost_m3) += patch.volume_m3;
+        patches.push_back({{"names", patch.names},
+                           {"kind", patch.grown ? "grown" : "lost"},
+                           {"area_m2", patch.area_m2},
+                           {"volume_m3", patch.volume_m3},
+                           {"min", {patch.box_world.min().x(), patch.box_world.min().y()}},
+                           {"max", {patch.box_world.max().x(), patch.box_world.max().y()}}});
     }
     return {{"meaning", "between the surfaces of both years as seen from above"},
             {"cell_m", kSurfaceChangeCell_m},
             {"grown_m3", grown_m3},
             {"lost_m3", lost_m3},
-            {"patches", pieces}};
+            {"patches", patches}};
 }
 
 }  // namespace

@@ -1,18 +1,15 @@
 #include "worker/simulator/draw_rig.hpp"
 
-#include <numbers>
-
+#include "worker/base/angle.hpp"
 #include "worker/base/hashed_random.hpp"
 
 namespace divemesh::simulator {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-
 Eigen::Matrix3d small_rotation(base::RandomRow& random, double max_deg) {
-    const double x = random.uniform(-max_deg, max_deg) * kDegree;
-    const double y = random.uniform(-max_deg, max_deg) * kDegree;
-    const double z = random.uniform(-max_deg, max_deg) * kDegree;
+    const double x = random.uniform(-max_deg, max_deg) * base::kRadPerDeg;
+    const double y = random.uniform(-max_deg, max_deg) * base::kRadPerDeg;
+    const double z = random.uniform(-max_deg, max_deg) * base::kRadPerDeg;
     return (Eigen::AngleAxisd(x, Eigen::Vector3d::UnitX()) *
             Eigen::AngleAxisd(y, Eigen::Vector3d::UnitY()) *
             Eigen::AngleAxisd(z, Eigen::Vector3d::UnitZ()))

@@ -4,12 +4,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/base/angle.hpp"
 #include "worker/base/hashed_random.hpp"
 
 namespace divemesh::simulator {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Calls `visit(time from the first frame, timestamp)` at the sensor's sample times.
 template <typename Visit>
@@ -99,8 +98,8 @@ std::vector<types::OrientationSample> simulate_ahrs(const DiverMotion& motion,
     const GaussMarkovProcess tilt_x(random, 12.0);
     const GaussMarkovProcess tilt_y(random, 12.0);
     const GaussMarkovProcess heading(random, 25.0);
-    const double rms = noise ? random.uniform(0.3, 0.5) * kDegree / std::sqrt(3.0) : 0.0;
-    const double white = noise ? 0.02 * kDegree : 0.0;
+    const double rms = noise ? random.uniform(0.3, 0.5) * base::kRadPerDeg / std::sqrt(3.0) : 0.0;
+    const double white = noise ? 0.02 * base::kRadPerDeg : 0.0;
     std::vector<types::OrientationSample> samples;
     for_each_sample(kAhrsRateHz, duration_s, [&](double t_s, std::int64_t timestamp_ns) {
         const Eigen::Vector3d error =

@@ -31,7 +31,7 @@ public:
     double end_of(double path_s) const;
 
 private:
-    struct Piece {  // the rate runs from one value to the other by a smooth step
+    struct Segment {  // the rate runs from one value to the other by a smooth step
         double begin_s;
         double path_begin_s;
         double duration_s;
@@ -42,8 +42,8 @@ private:
     void add(double duration_s, double rate_begin, double rate_end);
     void rest(const Rest& rest);
 
-    std::vector<Piece> pieces_;
-    double end_s_ = 0.0;  // of the pieces
+    std::vector<Segment> segments_;
+    double end_s_ = 0.0;  // of the segments
     double path_end_s_ = 0.0;
 };
 

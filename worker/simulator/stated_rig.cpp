@@ -1,26 +1,25 @@
 #include "worker/simulator/stated_rig.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "worker/base/angle.hpp"
 #include "worker/base/hashed_random.hpp"
+#include "worker/base/rotation_vector.hpp"
 
 namespace divemesh::simulator {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
 
 // Standard deviations of a typical calibration under water.
 constexpr double kFocal = 0.0015;   // relative
 constexpr double kCenter_px = 1.0;  // of a camera that is 640 px wide
 constexpr double kCenterWidth_px = 640.0;
 constexpr double kK1 = 0.03;  // relative
-constexpr double kStereo_rad = 0.03 * kDegree;
+constexpr double kStereo_rad = 0.03 * base::kRadPerDeg;
 constexpr double kBaseline = 0.002;  // relative
-constexpr double kImu_rad = 0.25 * kDegree;
+constexpr double kImu_rad = 0.25 * base::kRadPerDeg;
 constexpr double kImuClock_ns = 4e6;
 
-// Draws of one seed, scaled; each call draws anew.
+// Draws of one seed, scaled; each call draws again.
 class Errors {
 public:
     Errors(double times, std::uint64_t seed)
@@ -32,8 +31,7 @@ public:
         const double y = draw(sigma_rad);
         const Eigen::Vector3d rotation(x, y, draw(sigma_rad));
         Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-        if (rotation.norm() > 0.0)
-            T.rotate(Eigen::AngleAxisd(rotation.norm(), rotation.normalized()));
+        T.rotate(base::rotation_from_vector(rotation));
         return T;
     }
 

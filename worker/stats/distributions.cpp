@@ -1,6 +1,7 @@
 #include "worker/stats/distributions.hpp"
 
 #include <boost/math/distributions/chi_squared.hpp>
+#include <boost/math/distributions/normal.hpp>
 #include <boost/math/distributions/students_t.hpp>
 
 namespace divemesh::stats {
@@ -14,6 +15,10 @@ using Quiet = policies::policy<policies::domain_error<policies::ignore_error>,
                                policies::evaluation_error<policies::ignore_error>>;
 
 }  // namespace
+
+double normal_quantile(double share) {
+    return boost::math::quantile(boost::math::normal_distribution<double, Quiet>(), share);
+}
 
 double student_t_quantile(double share, double degrees_of_freedom) {
     return boost::math::quantile(

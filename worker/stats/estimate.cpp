@@ -3,16 +3,12 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "worker/stats/distributions.hpp"
+#include "worker/stats/summary.hpp"
 
 namespace divemesh::stats {
 namespace {
-
-double mean_of(const std::vector<double>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
-}
 
 double variance_of(const std::vector<double>& values, double mean) {
     double squares = 0.0;
@@ -46,8 +42,8 @@ Estimate estimate(const Simulated& simulated,
     double noise = 0.0;  // its effect on the metric
     double half_width = 0.0;
     if (simulated.once.size() > 1) {
-        const double once = mean_of(simulated.once);
-        const double twice = mean_of(simulated.twice);
+        const double once = mean(simulated.once);
+        const double twice = mean(simulated.twice);
         noise = 3.0 * once - 2.0 * simulated.sharp - twice;
         half_width = student_t_quantile(0.975, static_cast<double>(simulated.once.size() - 1)) *
                      deviation_of(simulated, once, twice);

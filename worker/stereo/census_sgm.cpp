@@ -169,7 +169,7 @@ VerticalPath CensusSgm::vertical_path(int p, int y) {
     path.costs = above_[p].costs.begin();
     path.min_cost = above_[p].min_cost.data();
     path.first_slot = (sideways * y % num_slots + num_slots) % num_slots;
-    if (sideways != 0) {  // a diagonal path starts anew where it enters the image
+    if (sideways != 0) {  // a diagonal path starts again where it enters the image
         const int slot =
             sideways < 0 ? path.first_slot : (path.first_slot + width_ - 1) % num_slots;
         begin_path(path.costs + static_cast<std::ptrdiff_t>(slot) * stride_);

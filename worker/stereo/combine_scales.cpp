@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/stereo/sigma_limits.hpp"
+
 namespace divemesh::stereo {
 namespace {
 
@@ -15,7 +17,6 @@ constexpr float kKnownSigma_px = 0.75F;  // less: measured by the narrow window
 constexpr float kContradiction_px = 1.0F;
 constexpr float kAgreement_sigmas = 2.5F;
 constexpr float kDisagreement = 0.5F;  // sigma per px of difference
-constexpr float kMinSigma_px = 0.15F;  // error of calibration, interpolation and slant
 constexpr float kAddedSigma_px = 1.0F;
 constexpr float kMaxSigma_px = 3.0F;
 

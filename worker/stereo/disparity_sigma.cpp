@@ -8,14 +8,14 @@
 #include <limits>
 
 #include "worker/stereo/running_sums.hpp"
+#include "worker/stereo/sigma_limits.hpp"
 
 namespace divemesh::stereo {
 namespace {
 
 constexpr int kWindow_px = 7;
-constexpr double kMinNoise = 0.5;   // grey values: quantisation and a bit more
-constexpr double kMaxNoise = 8.0;   // more than that is texture
-constexpr float kFloor_px = 0.15F;  // error of calibration, interpolation and slant
+constexpr double kMinNoise = 0.5;  // grey values: quantisation and a bit more
+constexpr double kMaxNoise = 8.0;  // more than that is texture
 
 struct Noise {
     float energy;
@@ -32,7 +32,7 @@ DIVEMESH_INLINE_BODY void rate_texture(const float* __restrict gradient,
     for (int x = kWindow_px / 2; x < num - kWindow_px / 2; ++x) {
         const float texture = energy[x] - gradient[x] * gradient[x] / kNum - noise.energy;
         const float known = noise.scale / std::sqrt(std::max(texture, 1.0F));
-        const float floored = known > kFloor_px ? known : kFloor_px;
+        const float floored = known > kMinSigma_px ? known : kMinSigma_px;
         sigma[x] = texture > 0.5F * noise.energy ? floored : std::numeric_limits<float>::infinity();
     }
 }

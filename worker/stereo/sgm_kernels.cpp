@@ -347,8 +347,7 @@ DIVEMESH_INLINE_BODY V hamming(const V* left, const std::uint8_t* const* right, 
 
 SgmKernels sgm_kernels(base::Instructions instructions) {
 #if defined(__x86_64__)
-    if (instructions == base::Instructions::Avx512 && __builtin_cpu_supports("avx512vbmi"))
-        return avx512::kernels();
+    if (instructions == base::Instructions::Avx512) return avx512::kernels();
     if (instructions != base::Instructions::Baseline) return avx2::kernels();
 #endif
     return baseline::kernels();

@@ -11,6 +11,7 @@
 #include "worker/stereo/matching_images.hpp"
 #include "worker/stereo/refine_disparity.hpp"
 #include "worker/stereo/sgm_kernels.hpp"
+#include "worker/stereo/sigma_limits.hpp"
 #include "worker/stereo/speckles.hpp"
 #include "worker/stereo/weak_surface.hpp"
 
@@ -20,7 +21,6 @@ namespace {
 constexpr int kMinSpeckleSize = 120;  // pixels
 constexpr float kMaxStep_px = 1.5F;   // between neighbours of one surface
 constexpr float kMaxSigma_px = 1.0F;
-constexpr float kMinSigma_px = 0.15F;  // error of calibration, interpolation and slant
 
 void remove_islands(types::DepthMap& depth) {
     remove_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);

@@ -18,7 +18,7 @@ constexpr float kReach = 0.1F;     // of the image's width
 constexpr float kMaxSlope = 0.3F;  // of a surface between two supports, px per px
 constexpr float kSupportNoise_px = 1.0F;
 constexpr float kTolerance_px = 2.5F;  // of the winner, beyond the supports
-constexpr float kMinSigma_px = 1.2F;
+constexpr float kMinGapSigma_px = 1.2F;
 constexpr float kSigmaPerDistance = 0.04F;  // bulges between supports
 constexpr float kSigmaPerStep = 0.15F;      // of the disparity between supports
 constexpr float kMaxSigma_px = 3.0F;
@@ -131,7 +131,7 @@ WeakSurface::Plane WeakSurface::plane_of(std::size_t block) const {
     const float bulge_px = kSigmaPerDistance * nearest_px;
     const float bend_px = kSigmaPerStep * max_step_px;
     plane.is_around = num_close >= kMinClose && variance <= kMaxUneven_px * kMaxUneven_px;
-    const float least_px = plane.is_around ? kSmallGapSigma_px : kMinSigma_px;
+    const float least_px = plane.is_around ? kSmallGapSigma_px : kMinGapSigma_px;
     plane.sigma_px =
         std::sqrt(least_px * least_px + variance + bulge_px * bulge_px + bend_px * bend_px);
     if (plane.sigma_px > kMaxSigma_px) plane.disparity_px = 0.0F;

@@ -26,6 +26,9 @@ struct Rig {
     // How much later than its left image the right one of a pair is exposed, by the images; 0:
     // together, as far as they tell.
     double right_delay_s = 0.0;
+    // Its standard deviation times the median speed of the rig, relative to the baseline: a delay
+    // that is not known acts like another baseline where the rig moves along it.
+    double right_delay_baseline_sigma = 0.0;
 
     Eigen::Isometry3d T_cam1_cam0() const { return T_imu_cam1.inverse() * T_imu_cam0; }
     double baseline_m() const { return T_cam1_cam0().translation().norm(); }

@@ -17,7 +17,7 @@ struct TrackCheck {
     TrackAgreement before;
     TrackAgreement after;
     // RMS distance that keyframes moved relative to the first one, in standard deviations by the
-    // track's drift and the result's covariance; 0: no covariance is known.
+    // track's drift and, where it is known, the result's covariance.
     double moved_rms_sigmas = 0.0;
 };
 

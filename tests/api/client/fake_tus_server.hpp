@@ -9,7 +9,7 @@
 
 namespace divemesh {
 
-// A tus server for one upload, on a port of its own, that produces the faults of a script.
+// A tus server for one upload, on a free port, that produces the faults of a script.
 class FakeTusServer {
 public:
     // The fault of one request; requests after the end of the script are served correctly.

@@ -79,7 +79,7 @@ asio::awaitable<void> take_into(std::optional<UploadLocks::Lock>& lock, UploadLo
 }
 
 // This happens when a server ends while a request holds its lock.
-TEST(UploadLocksTest, ATurnMayEndAfterTheTurns) {
+TEST(UploadLocksTest, ALockMayOutliveTheLocks) {
     asio::io_context io;
     std::optional<UploadLocks::Lock> lock;
     {

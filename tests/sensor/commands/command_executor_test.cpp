@@ -155,7 +155,7 @@ TEST_F(CommandExecutorTest, KnowsAfterAStartWhatItDidBefore) {
     EXPECT_EQ(num_previews_, 1);
 }
 
-TEST_F(CommandExecutorTest, DoesNotBeginAgainWhatThePowerCut) {
+TEST_F(CommandExecutorTest, DoesNotRepeatACommandInterruptedByPowerLoss) {
     CommandJournal(folder_ / "state" / "commands.json").note({"a", "begun", ""});
     CommandExecutor executor(settings());
     executor.take(command("a", "preview"));

@@ -73,7 +73,7 @@ protected:
     std::unique_ptr<Link> link_;
 };
 
-TEST_F(LinkTest, SaysWhoAndHowItIsFirstAndThenWhatWas) {
+TEST_F(LinkTest, SendsHelloAndTheNewestMessagesBeforeOlderOnes) {
     ring_.append(hello());
     ring_.append(status());
     ring_.append(preview(1000));
@@ -125,7 +125,7 @@ TEST_F(LinkTest, SendsAgainWhatWasNotAnsweredAndNothingElse) {
     EXPECT_EQ(again, (Names{"now/3 status", "now/2 status then"}));
 }
 
-TEST_F(LinkTest, DoesNotShowOldOnesAsNewOnceTheNewestIsThere) {
+TEST_F(LinkTest, MarksOlderStatusesAsHistorical) {
     ring_.append(status());
     ring_.append(status());
     server_.answer(true);
@@ -211,7 +211,7 @@ TEST_F(LinkTest, KeepsAwayWhenItsTokenIsRefused) {
     EXPECT_TRUE(server_.wait_for(1, 3s));
 }
 
-TEST_F(LinkTest, LosesWhatIsRefusedAndSaysSo) {
+TEST_F(LinkTest, ReportsRefusedMessagesAsLost) {
     server_.refuse_kind("preview");
     ring_.append(preview(10));
     ring_.append(status());

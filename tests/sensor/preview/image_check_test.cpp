@@ -14,7 +14,7 @@
 namespace divemesh::sensor {
 namespace {
 
-// Every `step`-th picture of a recording, grey.
+// Every `step`-th image of a recording, grey.
 std::vector<cv::Mat> images_of(const std::string& dive, std::size_t step) {
     std::vector<std::filesystem::path> files;
     for (const auto& entry :

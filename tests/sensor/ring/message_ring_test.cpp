@@ -87,7 +87,7 @@ TEST_F(MessageRingTest, ForgetsWhatTheServerHasAlsoOverAStart) {
     EXPECT_EQ(waiting_in(ring), (Names{"one/0", "one/4", "one/5"}));
 }
 
-TEST_F(MessageRingTest, LosesTheLastMessageAtMostWhereverThePowerGoes) {
+TEST_F(MessageRingTest, PowerLossAtAnyPointLosesTheLastMessageAtMost) {
     {
         MessageRing ring(folder_ / "ring", kRoom, "one");
         ring.append(status(1));
@@ -268,7 +268,7 @@ TEST_F(MessageRingTest, IsOfOneProcessAtATime) {
     EXPECT_THROW(MessageRing(folder_ / "ring", kRoom, "two"), Error);
 }
 
-TEST_F(MessageRingTest, TellsWhatTheServerWillNeverTakeAsLost) {
+TEST_F(MessageRingTest, ReportsRefusedMessagesAsLost) {
     MessageRing ring(folder_ / "ring", kRoom, "one");
     ring.append(status(0));
     ring.refused(*ring.newest(MessageKind::Status));

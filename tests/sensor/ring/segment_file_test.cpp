@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "schemas/error.hpp"
-#include "sensor/ring/crc32c.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh::sensor {
@@ -48,15 +47,9 @@ protected:
     std::string whole_;
 };
 
-TEST(Crc32cTest, GivesWhatTheRfcHas) {
-    EXPECT_EQ(crc32c("123456789"), 0xE3069283);
-    EXPECT_EQ(crc32c(std::string(32, '\0')), 0x8A9136AA);
-    EXPECT_EQ(crc32c(""), 0u);
-}
-
 TEST_F(SegmentFileTest, GivesBackWhatWasAppended) { EXPECT_EQ(payloads_in(path_), all_); }
 
-TEST_F(SegmentFileTest, KeepsWhatIsWholeWhereverThePowerGoes) {
+TEST_F(SegmentFileTest, KeepsWholeRecordsAfterPowerLossAtAnyPoint) {
     for (std::size_t length = 8; length < whole_.size(); ++length) {
         write_bytes(path_, whole_.substr(0, length));
         std::size_t num_whole = 0;

@@ -60,7 +60,7 @@ TEST_F(UploadLedgerTest, BeginsAnewWhereItsFileIsDamaged) {
     EXPECT_EQ(UploadLedger(file_).all(State::Over), Dives{"/d"});
 }
 
-TEST_F(UploadLedgerTest, SaysThatTheDiskDoesNotTakeIt) {
+TEST_F(UploadLedgerTest, ReportsThatItsFileCannotBeWritten) {
     std::ofstream(folder_ / "state") << "no folder";
     UploadLedger ledger(file_);
     ledger.note(dive("over"), State::Over);

@@ -10,9 +10,9 @@
 namespace divemesh::base {
 namespace {
 
-class BackgroundOnThreads : public testing::TestWithParam<int> {};
+class BackgroundTaskOnThreads : public testing::TestWithParam<int> {};
 
-TEST_P(BackgroundOnThreads, DoesOnePieceAfterTheOther) {
+TEST_P(BackgroundTaskOnThreads, RunsWorkInOrder) {
     TaskPool task_pool(GetParam());
     std::vector<int> done;
     {
@@ -23,7 +23,7 @@ TEST_P(BackgroundOnThreads, DoesOnePieceAfterTheOther) {
     for (int i = 0; i < 100; ++i) EXPECT_EQ(done[static_cast<std::size_t>(i)], i);
 }
 
-TEST_P(BackgroundOnThreads, WhatIsThrownComesOutAtTheNextWaitAndOnlyThere) {
+TEST_P(BackgroundTaskOnThreads, AnExceptionIsRethrownByTheNextWaitOnly) {
     TaskPool task_pool(GetParam());
     BackgroundTask task(task_pool);
     task.run([] { throw std::runtime_error("disk full"); });
@@ -34,7 +34,7 @@ TEST_P(BackgroundOnThreads, WhatIsThrownComesOutAtTheNextWaitAndOnlyThere) {
     EXPECT_TRUE(ran);
 }
 
-TEST_P(BackgroundOnThreads, TwoOfThemShareTheWorkersWithoutWaitingForEachOther) {
+TEST_P(BackgroundTaskOnThreads, TwoTasksShareTheThreadsWithoutWaitingForEachOther) {
     TaskPool task_pool(GetParam());
     BackgroundTask slow(task_pool);
     BackgroundTask quick(task_pool);
@@ -46,7 +46,7 @@ TEST_P(BackgroundOnThreads, TwoOfThemShareTheWorkersWithoutWaitingForEachOther) 
     slow.wait();
 }
 
-INSTANTIATE_TEST_SUITE_P(Threads, BackgroundOnThreads, testing::Values(1, 2, 4));
+INSTANTIATE_TEST_SUITE_P(Threads, BackgroundTaskOnThreads, testing::Values(1, 2, 4));
 
 }  // namespace
 }  // namespace divemesh::base

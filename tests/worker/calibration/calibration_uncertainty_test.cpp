@@ -85,6 +85,17 @@ TEST_F(CalibrationUncertaintyTest, TheRightCameraMovesDisparities) {
     EXPECT_DOUBLE_EQ(shift(2, kBaseline), before.z());
 }
 
+// A rig that moves by 1 % of its baseline in the standard deviation of the delay between its
+// images.
+TEST_F(CalibrationUncertaintyTest, AnUncertainDelayIsAnUncertainBaseline) {
+    types::Rig late = rig();
+    late.right_delay_baseline_sigma = 0.01;
+    const auto variance = [&](const types::Rig& of) {
+        return calibration_uncertainty(of, rectified_, {}, {}).covariance(kBaseline, kBaseline);
+    };
+    EXPECT_NEAR(variance(late) - variance(rig()), 1e-4, 1e-12);
+}
+
 TEST_F(CalibrationUncertaintyTest, RangesNarrowTheBiasOfDisparities) {
     types::RigAlignment alignment;
     alignment.outcome = types::RigAlignment::Outcome::AsStated;

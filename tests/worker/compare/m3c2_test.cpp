@@ -104,7 +104,7 @@ TEST(M3c2, TheRegistrationsErrorIsAddedToTheLevelOfDetection) {
     EXPECT_NEAR(with[1860].lod95_m - without[1860].lod95_m, 0.007F, 1e-6F);
 }
 
-TEST(M3c2, NeighboursThatErrTogetherCountAsOne) {
+TEST(M3c2, NeighboursWithCorrelatedErrorsCountAsOne) {
     const types::Mesh a = ground_mesh(kTilted, 0.3, 0.3, 0.01, 0.002, 3);
     const PointGrid grid(a.vertices, 0.05F);
     const SurfacePoints points{a.vertices, a.normals, a.sigma_m, grid};

@@ -13,7 +13,7 @@ protected:
     }
 };
 
-TEST_F(MarkerPositionsTest, GivesTheMarkersOfTheLargestPiece) {
+TEST_F(MarkerPositionsTest, GivesTheMarkersOfTheLargestSegment) {
     const auto found = positions(R"({"pieces": [{"num_frames": 3}, {"num_frames": 9}],
         "markers": {"markers": [
             {"id": 1, "family": "tag25h9", "piece": 0, "position_m": [0, 0, 0],

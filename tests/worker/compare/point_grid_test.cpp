@@ -48,7 +48,7 @@ TEST(PointGrid, FindsWhatIsManyCubesAway) {
     }
 }
 
-TEST(PointGrid, OfPointsThatAreAsNearItFindsTheFirst) {
+TEST(PointGrid, FindsTheFirstOfEquallyNearPoints) {
     const std::vector<Eigen::Vector3f> points = {
         {0.3F, 0.0F, 0.0F}, {-0.3F, 0.0F, 0.0F}, {-0.3F, 0.0F, 0.0F}, {0.3F, 0.0F, 0.0F}};
     for (const float cell_m : {0.01F, 0.1F, 1.0F})

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <string>
+#include <utility>
 
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/dive/finding_matcher.hpp"
@@ -498,7 +500,7 @@ TEST_F(BadRecordingTest, AnEmptyDiveIsRefused) {
 }
 
 // S6
-TEST_F(BadRecordingTest, APictureThatIsNotThereIsSkippedAndNamed) {
+TEST_F(BadRecordingTest, AMissingImageIsSkippedAndNamed) {
     tiny_.remove(image(3));
 
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_missing", image(3)));
@@ -512,6 +514,21 @@ TEST_F(BadRecordingTest, NoImageThatDecodesIsAnError) {
     EXPECT_THAT(spoiled, HasFinding(Severity::Error, "no_frame_decodes", "none of the 5"));
     EXPECT_THAT(spoiled,
                 HasFinding(Severity::Warning, "image_undecodable", "neither PNG nor JPEG"));
+}
+
+TEST_F(BadRecordingTest, ImagesOfAnotherFormatAreNamed) {
+    using std::string_literals::operator""s;
+    const std::pair<std::string, std::string> formats[] = {{"BMP", "BM6\0\x0c\0"s},
+                                                           {"TIFF", "II*\0\x08\0\0\0"s},
+                                                           {"TIFF", "MM\0*\0\0\0\x08"s},
+                                                           {"WebP", "RIFF\x24\0\0\0WEBPVP8 "s},
+                                                           {"HEIF", "\0\0\0\030ftypheic"s},
+                                                           {"PNM", "P5\n4 4\n255\n"s}};
+    for (const auto& [name, bytes] : formats) {
+        tiny_.write(image(3), bytes);
+        EXPECT_THAT(findings(),
+                    HasFinding(Severity::Warning, "image_undecodable", "it is " + name));
+    }
 }
 
 TEST_F(BadRecordingTest, AReferenceMeshThatIsCutShortIsRefused) {

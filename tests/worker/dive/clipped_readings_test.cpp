@@ -1,4 +1,4 @@
-#include "worker/imu/clipped_readings.hpp"
+#include "worker/dive/clipped_readings.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-namespace divemesh::imu {
+namespace divemesh::dive {
 namespace {
 
 constexpr double kNoise = 0.01;
@@ -84,4 +84,4 @@ TEST(ClippedReadingsTest, AnAxisThatIsClippedMostOfTheTimeIsFound) {
 }
 
 }  // namespace
-}  // namespace divemesh::imu
+}  // namespace divemesh::dive

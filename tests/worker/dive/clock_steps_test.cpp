@@ -132,7 +132,7 @@ TEST(ClockStepsTest, TablesOfOneClockAreMovedByTheShiftOfTheFinest) {
     EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "clock_set_back", "imu0"));
 }
 
-TEST(ClockStepsTest, APauseTellsWhetherTheImuWentOn) {
+TEST(ClockStepsTest, ReportsWhetherTheImuRecordedDuringAPause) {
     const std::vector<std::int64_t> frames_ns = {0, 1'000'000'000, 61'000'000'000};
     std::vector<types::ImuSample> imu;
     for (std::int64_t t = 0; t <= 61; ++t)

@@ -8,13 +8,13 @@
 
 namespace divemesh {
 
-// How a failed test shows a finding.
+// Prints a finding in the message of a failed test.
 inline void PrintTo(const Finding& finding, std::ostream* out) {
     *out << "\n    " << to_string(finding.severity) << " " << finding.code << " at '"
          << finding.where << "': " << finding.message << " | " << finding.remedy;
 }
 
-// A list of findings has one of this severity and code that names this place, in its words too.
+// Matches a list with a finding of this severity and code whose place or message contains `place`.
 MATCHER_P3(HasFinding, severity, code, place, "") {
     return std::any_of(arg.begin(), arg.end(), [&](const Finding& finding) {
         const std::string words = finding.where + " " + finding.message;

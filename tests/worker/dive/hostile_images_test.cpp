@@ -134,7 +134,7 @@ TEST(HostileImagesTest, AnExifBombChangesNothing) {
 
 // S16: the diver's position is in the recording, for people with access to it, but must not be in
 // the images that others see.
-TEST(HostileImagesTest, APositionInAPictureDoesNotGetIntoTheThumbnail) {
+TEST(HostileImagesTest, TheThumbnailDoesNotContainTheGpsPositionOfAnImage) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");
     const std::string position = "48.8583701N,2.2944813E";

@@ -80,12 +80,12 @@ TEST(MarkerPlanTest, AFamilyIsNamedOrRefused) {
     EXPECT_TRUE(faults_of({{"family", "Standard41h12"}}).empty());
 }
 
-TEST(MarkerPlanTest, NobodyLooksForTagsUnlessDiveOrOptionsSayWhich) {
+TEST(MarkerPlanTest, ThereIsNoPlanUnlessDiveOrOptionsNameAFamily) {
     EXPECT_FALSE(marker_plan_of(std::nullopt, make_options("standard", json::object())));
     EXPECT_FALSE(marker_plan_of(std::nullopt, make_options("standard", {{"marker_size_m", 0.1}})));
 }
 
-TEST(MarkerPlanTest, OptionsStandInPlaceOfWhatTheDiveSays) {
+TEST(MarkerPlanTest, OptionsOverrideTheDive) {
     const MarkerPlan dive = marker_plan_from_json(kWhole);
     const auto options =
         make_options("standard", {{"marker_family", "tag25h9"}, {"marker_size_m", 0.2}});

@@ -10,10 +10,10 @@ namespace divemesh::dive {
 
 enum class Container { Zip, Tar, TarGz, TarZst };
 
-// Writes archives entry by entry, also hostile ones.
+// Writes an archive entry by entry, including hostile entries.
 class TestArchive {
 public:
-    // With a passphrase a zip is encrypted.
+    // Encrypts a zip if there is a passphrase.
     TestArchive(const std::filesystem::path& file,
                 Container container,
                 const std::string& passphrase = "");

@@ -25,7 +25,7 @@ TEST(CombinedScaleTest, ARigThatIsNotAsCalibratedIsNotBelieved) {
     EXPECT_NEAR(scale.sigma, 0.005, 1e-12);
 }
 
-TEST(CombinedScaleTest, SensorsThatDisagreeKnowLess) {
+TEST(CombinedScaleTest, DisagreeingSensorsWidenTheSigma) {
     const CombinedScale scale =
         combined_scale({{"markers", {1.02, 0.004}}, {"accelerometer", {0.98, 0.004}}}, 0.005);
     EXPECT_FALSE(scale.differs);
@@ -59,7 +59,7 @@ TEST(ScaleCorrectionTest, IsMadeWhereTheSensorsKnowItClearlyBetter) {
 }
 
 // Draws true scales by the cameras' sigma and measures them with noise.
-TEST(CombinedScaleTest, TheFactorErrsByItsSigma) {
+TEST(CombinedScaleTest, TheErrorOfTheFactorMatchesItsSigma) {
     constexpr double kCameras = 0.005;
     constexpr double kSensor = 0.003;
     constexpr int kNumDraws = 2000;

@@ -57,7 +57,7 @@ TEST(ExpectedAccuracyTest, BoundsTheEndByItsCovariance) {
     EXPECT_TRUE(left_out(expected, "trajectory.loops"));
 }
 
-TEST(ExpectedAccuracyTest, WhatCannotBeSaidIsLeftOutWithItsReasonAndNeverZero) {
+TEST(ExpectedAccuracyTest, LeavesOutUnknownValuesWithTheirReason) {
     Known known;
     known.covariances.clear();
     const nlohmann::json metrics = to_metrics(known.expected());
@@ -87,11 +87,11 @@ TEST(ExpectedAccuracyTest, BoundsCoverASensorThatContradictsTheCameras) {
     EXPECT_NEAR(contradicted.ate_bound_m.value(), std::hypot(before_m, off * spread_m), 1e-9);
 }
 
-TEST(ExpectedAccuracyTest, OfPiecesThatDoNotHangTogetherNoDriftIsSaid) {
+TEST(ExpectedAccuracyTest, StatesNoDriftForDisconnectedSegments) {
     EXPECT_FALSE(Known().expected(2).end_bound_m.has_value());
 }
 
-TEST(ExpectedAccuracyTest, LoopsThatAreMissedWidenTheBounds) {
+TEST(ExpectedAccuracyTest, LoopResidualsWidenTheBounds) {
     Known known;
     const double before = *known.expected().end_bound_m;
     known.optimise.loops.num_accepted = 1;

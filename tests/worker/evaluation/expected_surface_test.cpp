@@ -21,7 +21,7 @@ types::Mesh two_triangles(float sigma_a,
     return mesh;
 }
 
-TEST(ExpectedSurfaceTest, OfOneSigmaErrsWithin196OfIt) {
+TEST(ExpectedSurfaceTest, UniformSigmaGivesTheNormal95PercentError) {
     const auto surface = expected_surface(two_triangles(0.01F, 0.01F, 2, 7));
     ASSERT_TRUE(surface.has_value());
     EXPECT_NEAR(surface->error_95_m, 0.0196, 0.04 * 0.0196);  // bins are 4 % wide
@@ -31,7 +31,7 @@ TEST(ExpectedSurfaceTest, OfOneSigmaErrsWithin196OfIt) {
     EXPECT_NEAR(surface->share_3_views_or_more, 0.5, 1e-6);
 }
 
-TEST(ExpectedSurfaceTest, HalfOfItTenTimesAsNoisyDecides) {
+TEST(ExpectedSurfaceTest, TheNoisierHalfDeterminesTheError) {
     // 90 % of the noisy half must be within the error: 1.6449 of its sigma.
     const auto surface = expected_surface(two_triangles(0.01F, 0.1F, 3, 1));
     ASSERT_TRUE(surface.has_value());
@@ -39,7 +39,7 @@ TEST(ExpectedSurfaceTest, HalfOfItTenTimesAsNoisyDecides) {
     EXPECT_NEAR(surface->share_1_view, 0.5, 1e-6);
 }
 
-TEST(ExpectedSurfaceTest, SaysNothingOfAnEmptyMesh) {
+TEST(ExpectedSurfaceTest, AnEmptyMeshHasNoExpectedError) {
     EXPECT_FALSE(expected_surface({}).has_value());
 }
 

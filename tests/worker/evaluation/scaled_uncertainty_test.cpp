@@ -88,7 +88,7 @@ Held held(double cameras_sigma, double sensor_sigma, double off) {
         const double sigma = scale.sigma / scale.factor;
         const auto after = scaled(path.uncertainty, scale.factor, sigma);
         const auto covariances = with_scale_sigma(path.covariances,
-                                                  ways_from_start(path.trajectory, {}, {}),
+                                                  offsets_from_start(path.trajectory, {}, {}),
                                                   path.uncertainty.shared_scale_sigma,
                                                   sigma);
         const double ate = std::sqrt(synthetic::squared_ate_m2(seen, path.truth));
@@ -119,7 +119,7 @@ TEST(ScaledUncertaintyTest, BoundsHoldWhereARefutedCalibrationIsReplacedByASenso
     EXPECT_NEAR(after.end, 0.95, 0.03);
 }
 
-TEST(ScaledUncertaintyTest, WhatThePosesErrByBesideTheirScaleStays) {
+TEST(ScaledUncertaintyTest, KeepsTheErrorThatIsNotDueToScale) {
     const Path path(0.01);
     const Path exact(0.0);
     const types::PathUncertainty after = scaled(path.uncertainty, 1.0, 0.0);
@@ -131,7 +131,7 @@ TEST(ScaledUncertaintyTest, WhatThePosesErrByBesideTheirScaleStays) {
     EXPECT_NEAR(same.degrees_of_freedom, path.uncertainty.degrees_of_freedom, 1e-9);
 }
 
-TEST(ScaledUncertaintyTest, NoWayLeadsFromOneSegmentToTheNext) {
+TEST(ScaledUncertaintyTest, EachSegmentStartsItsOwnPath) {
     const Path path(0.0);
     types::Trajectory apart = path.trajectory;
     std::vector<types::Keyframe> keyframes(2);
@@ -139,7 +139,7 @@ TEST(ScaledUncertaintyTest, NoWayLeadsFromOneSegmentToTheNext) {
     keyframes[1].timestamp_ns = apart[20].timestamp_ns;
     keyframes[1].segment = 1;
     for (std::size_t i = 20; i < apart.size(); ++i) apart[i].T_world_imu.translation().x() += 100.0;
-    const auto ways = ways_from_start(apart, keyframes, {apart[20].timestamp_ns});
+    const auto ways = offsets_from_start(apart, keyframes, {apart[20].timestamp_ns});
     EXPECT_NEAR((ways[19] - (path.at(19) - path.at(0))).norm(), 0.0, 1e-12);
     EXPECT_NEAR(ways[20].norm(), 0.0, 1e-12);
     EXPECT_NEAR((ways[30] - (path.at(30) - path.at(20))).norm(), 0.0, 1e-12);

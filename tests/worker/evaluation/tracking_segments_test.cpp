@@ -19,7 +19,7 @@ std::vector<types::Keyframe> keyframes(std::int32_t at_0, std::int32_t at_4, std
             {8, 8, Eigen::Isometry3d::Identity(), at_8}};
 }
 
-TEST(PiecesTest, ADiveThatNeverLosesTheSceneIsOne) {
+TEST(TrackingSegmentsTest, ADiveThatNeverLosesTheSceneIsOneSegment) {
     const auto segments = segments_of(frames(), keyframes(0, 0, 0));
     ASSERT_EQ(segments.size(), 1U);
     EXPECT_EQ(segments[0].num_frames, 10);
@@ -28,7 +28,7 @@ TEST(PiecesTest, ADiveThatNeverLosesTheSceneIsOne) {
     EXPECT_EQ(segments_of(frames(), {}).size(), 1U);
 }
 
-TEST(PiecesTest, APieceThatWasFoundAgainHasTwoIntervals) {
+TEST(TrackingSegmentsTest, ASegmentRejoinedByALoopHasTwoIntervals) {
     const auto segments = segments_of(frames(), keyframes(0, 1, 0));
     ASSERT_EQ(segments.size(), 2U);
     ASSERT_EQ(segments[0].intervals.size(), 2U);
@@ -39,7 +39,7 @@ TEST(PiecesTest, APieceThatWasFoundAgainHasTwoIntervals) {
     EXPECT_NEAR(segments[0].path_length_m, 0.4, 1e-12);  // the jump in between is not counted
 }
 
-TEST(PiecesTest, AfterABreakFramesBelongToTheNextKeyframesSegment) {
+TEST(TrackingSegmentsTest, AfterABreakFramesBelongToTheNextKeyframesSegment) {
     const auto segments = segments_of(frames(), keyframes(0, 1, 1), {2});
     ASSERT_EQ(segments.size(), 2U);
     EXPECT_EQ(segments[0].num_frames, 2);
@@ -47,11 +47,11 @@ TEST(PiecesTest, AfterABreakFramesBelongToTheNextKeyframesSegment) {
     EXPECT_NEAR(segments[1].path_length_m, 0.7, 1e-12);
 }
 
-TEST(PiecesTest, AMotionThatWasNotMeasuredDoesNotCount) {
+TEST(TrackingSegmentsTest, UnmeasuredMotionAddsNoPathLength) {
     EXPECT_NEAR(segments_of(frames(), keyframes(0, 0, 0), {3, 6})[0].path_length_m, 0.7, 1e-12);
 }
 
-TEST(PiecesTest, TheLargestHasMostFrames) {
+TEST(TrackingSegmentsTest, LargestSegmentHasTheMostFrames) {
     const types::Trajectory largest = largest_segment(frames(), keyframes(0, 1, 1));
     ASSERT_EQ(largest.size(), 6U);
     EXPECT_EQ(largest.front().timestamp_ns, 4);

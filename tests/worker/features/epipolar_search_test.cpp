@@ -9,7 +9,22 @@
 namespace divemesh::features {
 namespace {
 
-TEST(EpipolarSearchTest, FindsTheDisparityUnderOtherLightAtEveryInstructionSet) {
+TEST(EpipolarSearchTest, FindsTheDisparityUnderOtherLight) {
+    const cv::Mat left = synthetic::textured_image(0.0, 0.0);
+    const cv::Mat right = synthetic::textured_image(-23.0, 0.0, 0.9, 90.0);
+    EpipolarSearch search(base::Instructions::Baseline);
+    int num_found = 0;
+    for (int u = 40; u < 300; u += 7) {
+        const int disparity = search.find(left, right, u, 100, 64);
+        if (disparity == 0) continue;
+        ++num_found;
+        EXPECT_NEAR(disparity, 23, 1) << "column " << u;
+    }
+    EXPECT_GE(num_found, 30);
+}
+
+TEST(EpipolarSearchTest, EveryInstructionSetFindsTheSame) {
+    if (base::best_instructions() == base::Instructions::Baseline) GTEST_SKIP() << "no AVX2 here";
     const cv::Mat left = synthetic::textured_image(0.0, 0.0);
     const cv::Mat right = synthetic::textured_image(-23.0, 0.0, 0.9, 90.0);
     EpipolarSearch baseline(base::Instructions::Baseline);
@@ -18,9 +33,7 @@ TEST(EpipolarSearchTest, FindsTheDisparityUnderOtherLightAtEveryInstructionSet) 
     for (int u = 40; u < 300; u += 7) {
         const int disparity = baseline.find(left, right, u, 100, 64);
         EXPECT_EQ(disparity, best.find(left, right, u, 100, 64));
-        if (disparity == 0) continue;
-        ++num_found;
-        EXPECT_NEAR(disparity, 23, 1) << "column " << u;
+        num_found += disparity == 0 ? 0 : 1;
     }
     EXPECT_GE(num_found, 30);
 }

@@ -68,7 +68,9 @@ TEST_F(LateRightImageTest, DisparitiesAreThoseOfTheLeftImagesTime) {
     ASSERT_GE(compensated.size(), 40U);
     EXPECT_GT(compensated.size(), recorded.size());
     EXPECT_LT(stats::median(compensated), 0.1);
-    EXPECT_TRUE(recorded.empty() || stats::median(recorded) > 1.0);
+    const auto num_right = static_cast<std::size_t>(
+        std::count_if(recorded.begin(), recorded.end(), [](double error) { return error < 1.0; }));
+    EXPECT_LT(2 * num_right, compensated.size());
 }
 
 TEST_F(LateRightImageTest, DenseDisparitiesAreCorrectedAlike) {

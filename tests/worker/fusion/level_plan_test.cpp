@@ -124,7 +124,7 @@ TEST(LevelPlanner, SamplesWhatIsAtHalfAndTwiceTheDepthByHalfAndTwiceTheVoxel) {
     EXPECT_EQ(plan.block_at(sample_at({40.0, 0.0, 3.9}, voxel_m)).level, 2);
 }
 
-TEST(LevelPlanner, TheNearerLookDecides) {
+TEST(LevelPlanner, TheNearerViewDecides) {
     LevelPlanner planner(rig(), kVoxel_m, kMedianDepth_m);
     for (int i = 0; i < 20; ++i) planner.add(camera_at(0.01 * i), wall(4.0, 8), 8);
     const Eigen::Isometry3d nearer(Eigen::Translation3d(0.0, 0.0, 3.0));

@@ -44,8 +44,7 @@ inline Eigen::Vector3d paint_at(const Eigen::Vector3d& p_world) {
     return 100.0 * p_world + Eigen::Vector3d(120.0, 100.0, 60.0);
 }
 
-// Returns what a stereo camera would observe of a scene given as a signed distance, by sphere
-// tracing.
+// Renders a stereo camera's view of a scene, given as a signed distance, by sphere tracing.
 inline SyntheticView render_view(const SceneDistance& scene,
                                  const types::RectifiedRig& rig,
                                  const Eigen::Isometry3d& T_world_cam,

@@ -80,6 +80,7 @@ TEST_P(BothVolumes, ColoursLieWhereTheCamerasSawThem) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);
     const types::Mesh mesh = surface_of(*volume, options);
+    ASSERT_GT(mesh.vertices.size(), 1000U);
     ASSERT_EQ(mesh.colors.size(), mesh.vertices.size());
     std::vector<double> errors;  // a colour step of 1 corresponds to 1 cm
     for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
@@ -135,7 +136,9 @@ TEST_P(BothVolumes, OneThreadAndTwoGiveTheSameBytes) {
         volume->save(folder / std::to_string(num_threads));
         meshes.push_back(surface_of(*volume, options));
     }
+    ASSERT_FALSE(bytes_of(folder / "1").empty());
     EXPECT_EQ(bytes_of(folder / "1"), bytes_of(folder / "2"));
+    ASSERT_GT(meshes[0].vertices.size(), 500U);
     EXPECT_EQ(meshes[0].vertices, meshes[1].vertices);
     EXPECT_EQ(meshes[0].triangles, meshes[1].triangles);
     EXPECT_EQ(meshes[0].colors, meshes[1].colors);
@@ -148,7 +151,9 @@ TEST_P(BothVolumes, ASavedVolumeGivesTheSameMesh) {
     volume->save(folder / "volume");
     const auto loaded = load_volume(folder / "volume");
     EXPECT_EQ(loaded->voxel_m(), volume->voxel_m());
-    EXPECT_EQ(surface_of(*loaded, options).vertices, surface_of(*volume, options).vertices);
+    const types::Mesh mesh = surface_of(*volume, options);
+    ASSERT_GT(mesh.vertices.size(), 500U);
+    EXPECT_EQ(surface_of(*loaded, options).vertices, mesh.vertices);
 }
 
 TEST_P(BothVolumes, AFileCutShortIsATypedError) {
@@ -267,7 +272,7 @@ TEST(TsdfVolume, RaysThatPassCarveAwayWhatSeveralViewsSaw) {
 // An object that stands still in some views and that the other views see through.
 class Ghost : public testing::TestWithParam<int> {};
 
-TEST_P(Ghost, ThatFiveViewsLookThroughIsGone) {
+TEST_P(Ghost, IsCarvedAwayByFiveViewsThatSeeThroughIt) {
     const auto options = options_for("tsdf");
     auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
     const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };

@@ -26,7 +26,7 @@ AhrsJudgement judged(const Reading& reading, double step_s = 0.02) {
     std::vector<types::OrientationSample> orientations;
     for (double t_s = -2.0; t_s < kDuration_s + 2.0; t_s += step_s)
         orientations.push_back({std::llround(1e9 * t_s), reading(t_s)});
-    TurnSpans turns;
+    RotationSpans turns;
     for (int k = 0; k < std::lround(10.0 * kDuration_s); ++k) {
         const double from_s = 0.1 * k;
         const double to_s = 0.1 * (k + 1);

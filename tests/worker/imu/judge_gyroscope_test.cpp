@@ -42,10 +42,10 @@ std::vector<types::ImuSample> gyroscope(double start_s, const Wrong& wrong) {
 }
 
 // Returns the turns that cameras at 10 Hz see in 20 s, one rotation in twelve wrong.
-std::vector<TurnSpan> turns(double start_s) {
+std::vector<RotationSpan> turns(double start_s) {
     std::mt19937 random(5);
     std::normal_distribution<double> normal(0.0, 3e-4);
-    TurnSpans spans;
+    RotationSpans spans;
     for (int i = 0; i < 200; ++i) {
         const auto time_ns = [&](int k) { return std::llround(1e9 * (start_s + 0.1 * k)); };
         const double wrong = i % 12 == 5 ? 100.0 : 1.0;

@@ -12,7 +12,7 @@
 
 namespace divemesh::io {
 
-// A test with a folder of its own, which is removed at its end.
+// A test with a temporary folder, which is removed at its end.
 class FileTest : public testing::Test {
 protected:
     FileTest() {
@@ -41,7 +41,7 @@ private:
     std::filesystem::path folder_;
 };
 
-// Returns the Error that `act` throws; the test fails if it throws none.
+// Returns the Error that `act` throws. Fails the test if it throws no Error.
 template <typename Act>
 Error error_of(Act&& act) {
     try {

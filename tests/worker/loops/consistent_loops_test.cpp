@@ -86,7 +86,7 @@ TEST(ConsistentLoopsTest, OneLoopAloneIsNotBelieved) {
     EXPECT_TRUE(consistent_loops({}, laps.keyframes, drift).empty());
 }
 
-TEST(ConsistentLoopsTest, TwoLoopsDoNotHoldPiecesTogetherThreeDo) {
+TEST(ConsistentLoopsTest, ThreeLoopsJoinSegmentsButTwoDoNot) {
     const Laps laps(0.001, 30);
     const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
     ASSERT_NE(drift.segment(29), drift.segment(30));
@@ -126,7 +126,7 @@ TEST(AdjustPosesTest, LandmarksGoWithTheirKeyframes) {
     }
 }
 
-TEST(StrongestLoopsTest, OfEveryRunTheOneThatSeesMostAgainIsLeft) {
+TEST(StrongestLoopsTest, KeepsTheLoopWithTheMostReobservationsOfEachRun) {
     const Laps laps(0.0);
     const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
     std::vector<Loop> loops;
@@ -139,7 +139,7 @@ TEST(StrongestLoopsTest, OfEveryRunTheOneThatSeesMostAgainIsLeft) {
     EXPECT_TRUE(strongest_loops({}, drift, 2).empty());
 }
 
-TEST(StrongestLoopsTest, WhatJoinsOtherPiecesIsNeverDropped) {
+TEST(StrongestLoopsTest, KeepsEveryLoopThatJoinsOtherSegments) {
     const Laps laps(0.0, kLap + 8);
     const DriftModel drift(laps.keyframes, laps.landmarks, nullptr);
     std::vector<Loop> loops;

@@ -45,14 +45,14 @@ TEST(DriftModelTest, InertiaCarriesTheTrackOverThreeSecondsWithoutSight) {
     EXPECT_LT(dive.with_inertia().orientation_sigma_rad(5, 6), 0.02);
 }
 
-TEST(DriftModelTest, NotOverTenAndNotWithoutSensors) {
+TEST(DriftModelTest, NothingBridgesTenSecondsOrThreeWithoutSensors) {
     EXPECT_FALSE(Dive(10.0).with_inertia().follows(6));
     EXPECT_FALSE(Dive(3.0).without().follows(6));
     EXPECT_TRUE(Dive(0.8).without().follows(6));
     EXPECT_GT(Dive(3.0).without().position_sigma_m(5, 6), 0.8);
 }
 
-TEST(DriftModelTest, NotOverAGapInTheSamples) {
+TEST(DriftModelTest, InertiaDoesNotBridgeAGapInTheSamples) {
     Dive dive(3.0);
     std::erase_if(dive.recording.its_imu, [](const types::ImuSample& sample) {
         return sample.timestamp_ns > 3'500'000'000 && sample.timestamp_ns < 4'000'000'000;

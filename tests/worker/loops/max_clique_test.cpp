@@ -56,7 +56,7 @@ TEST(MaxCliqueTest, FindsSixtyThatAgreeAmongTwoHundredThatDoNot) {
     EXPECT_EQ(max_clique(joined), planted);
 }
 
-TEST(MaxCliqueTest, OfNothingIsNothing) { EXPECT_TRUE(max_clique({}).empty()); }
+TEST(MaxCliqueTest, AnEmptyGraphHasAnEmptyClique) { EXPECT_TRUE(max_clique({}).empty()); }
 
 }  // namespace
 }  // namespace divemesh::loops

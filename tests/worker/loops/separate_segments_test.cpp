@@ -36,24 +36,24 @@ struct Dive {
 
 using Numbers = std::vector<std::int32_t>;
 
-TEST(NumberPiecesTest, EveryLongLossOfTheSceneBeginsANewPiece) {
+TEST(NumberSegmentsTest, EveryLongLossOfTheSceneStartsANewSegment) {
     EXPECT_EQ(Dive().number({}), (Numbers{0, 0, 0, 1, 1, 1, 2, 2, 2}));
 }
 
-TEST(NumberPiecesTest, ALossOfLessThanASecondDoesNot) {
+TEST(NumberSegmentsTest, ALossOfLessThanASecondStartsNoSegment) {
     Dive dive;
     for (std::size_t k = 3; k < 9; ++k) dive.keyframes[k].timestamp_ns -= 1'200'000'000;
     EXPECT_EQ(dive.number({}), (Numbers{0, 0, 0, 0, 0, 0, 1, 1, 1}));
 }
 
-TEST(NumberPiecesTest, ALoopJoinsWhatItTies) {
+TEST(NumberSegmentsTest, ALoopJoinsTheSegmentsThatItConnects) {
     Loop loop;
     loop.from = 1;
     loop.to = 8;
     EXPECT_EQ(Dive().number({loop}), (Numbers{0, 0, 0, 1, 1, 1, 0, 0, 0}));
 }
 
-TEST(LayApartTest, PiecesDoNotReachIntoEachOtherAndKeepTheirShape) {
+TEST(SeparateSegmentsTest, SegmentsDoNotOverlapAndKeepTheirShape) {
     Dive dive;
     dive.number({});
     separate_segments(2.0, dive.keyframes);
@@ -64,7 +64,7 @@ TEST(LayApartTest, PiecesDoNotReachIntoEachOtherAndKeepTheirShape) {
     for (const std::size_t k : {1, 2, 4, 5, 7, 8}) EXPECT_NEAR(x(k) - x(k - 1), 0.2, 1e-12);
 }
 
-TEST(LayApartTest, OnePieceStaysWhereItIs) {
+TEST(SeparateSegmentsTest, ASingleSegmentStaysInPlace) {
     Dive dive;
     separate_segments(2.0, dive.keyframes);
     for (std::size_t k = 0; k < 9; ++k)

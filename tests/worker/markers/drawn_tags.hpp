@@ -22,7 +22,7 @@ inline types::RectifiedRig test_rig() {
     return rig;
 }
 
-// A tag on white board, with the true pose of its frame `marker`.
+// A tag on a white board, with the true pose of its frame `marker`.
 struct DrawnTag {
     dive::MarkerFamily family = dive::MarkerFamily::Tag36h11;
     int id = 0;
@@ -113,7 +113,7 @@ inline Eigen::Isometry3d looking_down(const Eigen::Vector3d& position, double ya
     return T_world_cam;
 }
 
-// Returns the same with the origin at the image centre.
+// Returns the pose of a camera at this height that sees the origin at the image centre.
 inline Eigen::Isometry3d looking_at_origin(double height_m, double yaw, double tilt) {
     const Eigen::Vector3d aside(0.0, -height_m * std::tan(tilt), height_m);
     return looking_down(Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()) * aside, yaw, tilt);

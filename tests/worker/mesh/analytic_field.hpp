@@ -24,9 +24,9 @@ public:
           band_([=](int) { return band_m; }),
           blocks_(cube_of_blocks(half_extent_blocks, 0)) {}
 
-    // Has blocks of several levels: those of the `coarsest` are split down to level 0 where
-    // `splits` says so and where two that touch would differ by more than a level. With a band,
-    // blocks that have no known sample are left out.
+    // Makes blocks of several levels. Splits blocks of level `coarsest` down to level 0 where
+    // `splits` returns true, and further until blocks that touch differ by one level at most.
+    // Leaves out blocks without a known sample.
     AnalyticField(Distance distance,
                   double voxel_m,
                   int half_extent_blocks,
@@ -99,7 +99,7 @@ private:
                              block.level - 1});
         return parts;
     }
-    // Splits blocks that touch one of two levels below.
+    // Splits blocks that touch a block two or more levels finer.
     static void balance(std::set<fusion::BlockCoordinate>& leaves) {
         for (bool changed = true; changed;) {
             changed = false;

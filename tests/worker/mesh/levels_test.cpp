@@ -227,6 +227,7 @@ TEST_P(Levels, OneThreadAndTwoGiveTheSameBytes) {
     balls.sigma_m = 0.004F;
     const types::Mesh one = surface_nets(balls, {.num_threads = 1});
     const types::Mesh two = surface_nets(balls, {.num_threads = 2});
+    ASSERT_GT(one.vertices.size(), 500U);
     EXPECT_EQ(one.vertices, two.vertices);
     EXPECT_EQ(one.normals, two.normals);
     EXPECT_EQ(one.voxel_m, two.voxel_m);
@@ -246,6 +247,7 @@ TEST(SurfaceNets, OfACoarserLevelAreThoseOfALargerVoxel) {
     const auto never = [](const Block&, const Eigen::Vector3d&) { return false; };
     const types::Mesh coarse = surface_nets(AnalyticField(ball, kVoxel_m, 4, 1, never), {});
     const types::Mesh large = surface_nets(AnalyticField(ball, 2.0 * kVoxel_m, 4), {});
+    ASSERT_GT(coarse.vertices.size(), 500U);
     EXPECT_EQ(coarse.vertices, large.vertices);
     EXPECT_EQ(coarse.triangles, large.triangles);
     EXPECT_EQ(coarse.voxel_m, large.voxel_m);

@@ -42,7 +42,7 @@ types::Mesh sheet(double radius_m, float sigma_m, std::uint32_t num_views) {
 
 float at_middle(const types::Mesh& mesh) { return mesh.sigma_m[kEdge * kEdge / 2]; }
 
-TEST(VertexSigmaTest, OfAPlaneSeenByViewsThatErrPartlyAlikeIsTheSpreadOfManyTrials) {
+TEST(VertexSigmaTest, MatchesTheSpreadOfTrialsWithCorrelatedViewErrors) {
     constexpr int kNumViews = 30;
     constexpr int kNumTrials = 20'000;
     constexpr double kOne_px = 0.15, kShared_px = 0.035, kMetrePerPx = 0.06;
@@ -62,7 +62,7 @@ TEST(VertexSigmaTest, OfAPlaneSeenByViewsThatErrPartlyAlikeIsTheSpreadOfManyTria
     EXPECT_NEAR(at_middle(plane), std::sqrt(squares), 0.05 * std::sqrt(squares));
 }
 
-TEST(VertexSigmaTest, OfABendIsWhatAveragingAcrossItTakesOff) {
+TEST(VertexSigmaTest, IncludesTheSagThatAveragingCausesOnABend) {
     constexpr double kRadius_m = 0.2;
     constexpr double kReach_m = 4.4 * kVoxel_m;
     double sagged_m = 0.0;  // mean depth of the arc below its crown, within the reach
@@ -76,7 +76,7 @@ TEST(VertexSigmaTest, OfABendIsWhatAveragingAcrossItTakesOff) {
     EXPECT_NEAR(at_middle(bend), sagged_m, 0.15 * sagged_m);
 }
 
-TEST(VertexSigmaTest, HoldsWhatThePosesErrByAndLeavesTheShape) {
+TEST(VertexSigmaTest, IncludesThePoseErrorAndKeepsTheShape) {
     const types::Mesh before = sheet(0.0, 0.003F, 1);
     types::Mesh after = before;
     finish_sigma(after, 0.004);

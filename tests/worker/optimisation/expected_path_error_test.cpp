@@ -100,7 +100,7 @@ double height_factor(const Path& estimate, const Path& truth) {
     return columns.colPivHouseholderQr().solve(heights)[0];
 }
 
-TEST(PathUncertaintyTest, AFactorOfHeightsErrsAsItsSigmaSays) {
+TEST(PathUncertaintyTest, TheErrorOfAHeightFactorMatchesItsSigma) {
     Path truth = curved_path();
     for (Eigen::Vector3d& p : truth) p.z() += 0.5 * std::sin(1.5 * p.x());
     const double sigma = vertical_scale_sigma(truth, random_walk_covariance());

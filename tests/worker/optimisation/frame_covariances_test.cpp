@@ -42,7 +42,7 @@ TEST(FrameCovarianceTest, OfFramesLiesBetweenThoseOfTheKeyframes) {
     EXPECT_NEAR(at[10].position_m2(2, 2), 4.0, 1e-12);
 }
 
-TEST(FrameCovarianceTest, FramesBetweenKeyframesErrAsTheirOdometryDoes) {
+TEST(FrameCovarianceTest, FramesBetweenKeyframesHaveTheErrorOfTheirOdometry) {
     const types::CovarianceTrack at = Followed(0.3).at_frames();
     // Per axis 0.3^2 / 3 over five steps; the median of three values is below their mean.
     const double whole = 0.03 * 3.0 / 2.366;

@@ -72,7 +72,7 @@ Eigen::Isometry3d swim_and_stand(double t_s) {
     return synthetic::T_world_imu_at(std::min(t_s, 4.0) + braking_s - 0.5 * braking_s * braking_s);
 }
 
-TEST(InertialWindowTest, FindsTheVerticalTheVelocityAndTheBiasesOnTheWay) {
+TEST(InertialSlidingWindowTest, FindsTheVerticalTheVelocityAndTheBiasesOnTheWay) {
     Swim swim(synthetic::T_world_imu_at, 10.0);
     for (int k = 0; k <= 24; ++k) swim.add_keyframe(0.4 * k);
 
@@ -83,7 +83,7 @@ TEST(InertialWindowTest, FindsTheVerticalTheVelocityAndTheBiasesOnTheWay) {
     EXPECT_THAT(swim.window.T_world_cam(), IsPoseWithin(swim.truth(9.6), 0.2, 0.012));
 }
 
-TEST(InertialWindowTest, CarriesOnBehindAGapInTheSamples) {
+TEST(InertialSlidingWindowTest, CarriesOnBehindAGapInTheSamples) {
     Swim swim(synthetic::T_world_imu_at, 10.0);
     std::erase_if(swim.recording.its_imu, [](const types::ImuSample& sample) {
         return sample.timestamp_ns > 5'000'000'000 && sample.timestamp_ns < 5'300'000'000;
@@ -94,7 +94,7 @@ TEST(InertialWindowTest, CarriesOnBehindAGapInTheSamples) {
     EXPECT_THAT(swim.window.T_world_cam(), IsPoseWithin(swim.truth(9.6), 0.2, 0.012));
 }
 
-TEST(InertialWindowTest, DoesNotDriftWhileItStands) {
+TEST(InertialSlidingWindowTest, DoesNotDriftWhileItStands) {
     Swim swim(swim_and_stand, 26.0);
     for (int k = 0; k <= 12; ++k) swim.add_keyframe(0.4 * k);
     swim.add_keyframe(5.2);
@@ -106,7 +106,7 @@ TEST(InertialWindowTest, DoesNotDriftWhileItStands) {
     EXPECT_LT(swim.tilt_error_deg(), 0.7);
 }
 
-TEST(InertialWindowTest, DoesNotRunAwayWhenAllFeaturesChangeWhileItStands) {
+TEST(InertialSlidingWindowTest, DoesNotRunAwayWhenAllFeaturesChangeWhileItStands) {
     Swim swim(swim_and_stand, 12.0);
     for (int k = 0; k <= 12; ++k) swim.add_keyframe(0.4 * k);
     swim.add_keyframe(5.2);

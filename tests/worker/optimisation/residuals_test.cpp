@@ -74,7 +74,7 @@ TEST(LensReprojectionTest, IsTheStereoReprojectionMovedByTheLensesAndHasTrueDeri
     expect_true_jacobians(*cost, blocks);
 }
 
-TEST(MisalignedTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
+TEST(MisalignedGyroRotationCostTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     MisalignedGyroRotationCost rotation;
     rotation.integral.duration_s = 0.5;
     rotation.integral.q_from_to = base::rotation_from_vector({0.1, -0.05, 0.2});
@@ -123,7 +123,7 @@ TEST(RotationPriorTest, HasTrueDerivatives) {
     expect_true_jacobians(*cost, {{0.11, 0.18, -0.13}});
 }
 
-TEST(KnownOrientationTest, HasTrueDerivatives) {
+TEST(OrientationPriorTest, HasTrueDerivatives) {
     const Eigen::Quaterniond q = base::rotation_from_vector({0.5, 1.2, -0.4});
     const Eigen::Quaterniond q_world_ahrs = base::rotation_from_vector({0.02, -0.03, 0.7});
     const CostFunction cost(OrientationPrior::create({q, 0.02}));
@@ -135,7 +135,7 @@ TEST(KnownOrientationTest, HasTrueDerivatives) {
          block(q_world_ahrs * q * base::rotation_from_vector({0.01, -0.02, 0.005}))});
 }
 
-TEST(GyroscopeTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
+TEST(GyroRotationCostTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     imu::GyroscopeIntegral integral;
     integral.duration_s = 0.5;
     integral.q_from_to = base::rotation_from_vector({0.1, -0.05, 0.2});
@@ -152,7 +152,7 @@ TEST(GyroscopeTurnTest, VanishesAtTheTruthAndHasTrueDerivatives) {
          {0.01, -0.02, 0.005}});
 }
 
-TEST(InertialMotionTest, VanishesAtTheTruthAndHasTrueDerivatives) {
+TEST(ImuPreintegrationCostTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     const auto motion = [](double t_s) { return synthetic::T_world_imu_at(t_s); };
     const imu::ImuBias bias{{0.01, -0.02, 0.005}, {0.05, 0.1, -0.08}};
     const auto samples = synthetic::imu_along(motion, 0.0, 1.0, bias);

@@ -69,25 +69,25 @@ SlidingWindow swim(double noise_px, double fish_share, bool gyroscope) {
     return window;
 }
 
-TEST(WindowTest, FollowsThreeAndAHalfMetresExactlyWithoutNoise) {
+TEST(SlidingWindowTest, FollowsThreeAndAHalfMetresExactlyWithoutNoise) {
     const SlidingWindow window = swim(0.0, 0.0, false);
     EXPECT_THAT(window.T_world_cam(),
                 IsPoseWithin(synthetic::T_world_cam(kStep * kNumKeyframes), 1e-3, 1e-4));
 }
 
-TEST(WindowTest, DriftsLessThanHalfAPercentOnNoisyFeatures) {
+TEST(SlidingWindowTest, DriftsLessThanHalfAPercentOnNoisyFeatures) {
     const SlidingWindow window = swim(0.3, 0.0, false);
     EXPECT_THAT(window.T_world_cam(),
                 IsPoseWithin(synthetic::T_world_cam(kStep * kNumKeyframes), 0.4, 0.018));
 }
 
-TEST(WindowTest, IsNotCarriedAwayByThirtyPercentFish) {
+TEST(SlidingWindowTest, IsNotCarriedAwayByThirtyPercentFish) {
     const SlidingWindow window = swim(0.3, 0.3, true);
     EXPECT_THAT(window.T_world_cam(),
                 IsPoseWithin(synthetic::T_world_cam(kStep * kNumKeyframes), 0.2, 0.018));
 }
 
-TEST(WindowTest, LandmarksSeenOnceFollowTheCorrectionOfTheirKeyframe) {
+TEST(SlidingWindowTest, LandmarksSeenOnceFollowTheCorrectionOfTheirKeyframe) {
     synthetic::World world(1.0, 0.0, 11);
     SlidingWindow window(synthetic::rig(), types::ImuNoise{2e-4, 1e-5});
     const auto is_old = [](const types::Feature& feature) { return feature.id % 2 == 0; };
@@ -114,7 +114,7 @@ TEST(WindowTest, LandmarksSeenOnceFollowTheCorrectionOfTheirKeyframe) {
     EXPECT_GT(num_links, 50U);
 }
 
-TEST(WindowTest, GivesTheSameBitsAgain) {
+TEST(SlidingWindowTest, GivesTheSameBitsAgain) {
     const SlidingWindow once = swim(0.3, 0.3, true);
     const SlidingWindow again = swim(0.3, 0.3, true);
     EXPECT_EQ(once.T_world_cam().matrix(), again.T_world_cam().matrix());

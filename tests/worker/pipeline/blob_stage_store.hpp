@@ -9,8 +9,8 @@
 
 namespace divemesh::pipeline {
 
-// A store of stages over blobs alone, as far as tests need it: a blob for each file, and a list
-// with their hashes that is written last. It makes no links and has no folder of its own.
+// A store of stages that keeps only blobs, for tests: one blob for each file, and a list with their
+// hashes, written last. It makes no links and has no folder.
 class BlobStageStore final : public StageStore {
 public:
     explicit BlobStageStore(storage::BlobStore& blobs) : blobs_(blobs) {}

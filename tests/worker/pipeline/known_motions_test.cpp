@@ -35,7 +35,7 @@ protected:
     synthetic::SensorRecording recording_;
 };
 
-TEST_F(KnownMotionsTest, ARestBetweenTwoKeyframesHoldsThemTogether) {
+TEST_F(KnownMotionsTest, ARestBetweenTwoKeyframesConnectsThem) {
     const auto known = motions();
     ASSERT_EQ(known.size(), 1U);
     EXPECT_EQ(known[0].to, 1U);
@@ -44,14 +44,14 @@ TEST_F(KnownMotionsTest, ARestBetweenTwoKeyframesHoldsThemTogether) {
     EXPECT_NEAR(known[0].sigma_rad, std::sqrt(2.0) * 0.003, 1e-12);
 }
 
-TEST_F(KnownMotionsTest, ARestThatEndsLongBeforeTheNextKeyframeDoesNot) {
+TEST_F(KnownMotionsTest, ARestThatEndsLongBeforeTheNextKeyframeDoesNotConnectThem) {
     track_.rests[0].to_ns = 7 * kSecond_ns;
     EXPECT_TRUE(motions().empty());
     track_.rests[0] = {3 * kSecond_ns, 9 * kSecond_ns, 0.002, 0.003};
     EXPECT_TRUE(motions().empty());
 }
 
-TEST_F(KnownMotionsTest, WhatNothingMeasuredIsAsPredicted) {
+TEST_F(KnownMotionsTest, AnUnmeasuredMotionIsThePredictedOne) {
     for (types::Landmark& landmark : track_.landmarks) landmark.observations.pop_back();
     const auto known = motions();
     ASSERT_EQ(known.size(), 2U);

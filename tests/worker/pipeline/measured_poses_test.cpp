@@ -38,7 +38,7 @@ std::string measured(const types::Track& track) {
     return text;
 }
 
-TEST(MeasuredFramesTest, FramesBetweenLossAndReturnAreNot) {
+TEST(MeasuredFramesTest, FramesBetweenLossAndReturnAreNotMeasured) {
     // Frame 6 is the first that frame 7 is measured against.
     EXPECT_EQ(measured(track_of("-vv----vv", {0, 7})), "xxx...xxx");
 }
@@ -47,11 +47,11 @@ TEST(MeasuredFramesTest, ADiveThatBeginsInTheDarkBeginsWithItsFirstMotion) {
     EXPECT_EQ(measured(track_of("----vvv", {0, 4})), "...xxxx");
 }
 
-TEST(MeasuredFramesTest, FramesThatHangTogetherButOnNoKeyframeAreNot) {
+TEST(MeasuredFramesTest, LinkedFramesWithoutAKeyframeAreNotMeasured) {
     EXPECT_EQ(measured(track_of("-vv--v--vv", {0, 8})), "xxx....xxx");
 }
 
-TEST(MeasuredFramesTest, ASingleFrameOfManyIsNotAndOfOneIs) {
+TEST(MeasuredFramesTest, AFrameWithoutMotionIsMeasuredOnlyIfItIsTheOnlyOne) {
     EXPECT_EQ(measured(track_of("----", {0})), "....");
     EXPECT_EQ(measured(track_of("-", {0})), "x");
 }
@@ -116,16 +116,16 @@ TEST_F(BridgeByImuTest, AGapOfASecondIsMeasuredByTheImu) {
     EXPECT_EQ(bridged("-vv----------vv"), "-vviiiiiiiiiivv");
 }
 
-TEST_F(BridgeByImuTest, ALongerGapIsNot) {
+TEST_F(BridgeByImuTest, ALongerGapIsNotMeasured) {
     EXPECT_EQ(bridged("-vv-----------vv"), "-vv-----------vv");
 }
 
-TEST_F(BridgeByImuTest, NorIsWhatHasVisionOnOneSideOnly) {
+TEST_F(BridgeByImuTest, AGapWithVisionOnOneSideOnlyIsNotMeasured) {
     EXPECT_EQ(bridged("---vv"), "---vv");
     EXPECT_EQ(bridged("-vv--"), "-vv--");
 }
 
-TEST_F(BridgeByImuTest, NorIsAGapThatTheImuHasToo) {
+TEST_F(BridgeByImuTest, AGapThatTheImuHasTooIsNotMeasured) {
     std::erase_if(recording_.its_imu, [](const types::ImuSample& sample) {
         return sample.timestamp_ns > 3 * kPeriod_ns && sample.timestamp_ns < 5 * kPeriod_ns;
     });

@@ -41,7 +41,7 @@ MetricsInput plain_dive() {
     input.track.num_frames = 100;
     input.track.num_frames_tracked = 90;
     input.segments = {{100, 20, 3.5, {{0, 9'900'000'000}}}};
-    input.stages = {{"track", 4.0, 8.0}, {"fuse", 1.0, 1.0}, {"evaluate", 20.0, 30.0}};
+    input.stages = {{"track", 4.0, 8.0}, {"fuse", 1.0, 1.0}, {"evaluate", 20.0, 30.0, false, true}};
     input.findings = {{Severity::Warning, "frame_skipped", "frame 3", "cut short", ""}};
     return input;
 }

@@ -54,7 +54,7 @@ TEST_F(SensorAttemptsTest, AnUnconfirmedImuThatFindsTheSceneAgainIsUsed) {
     EXPECT_FALSE(attempts.plan().imu_on_probation);
 }
 
-TEST_F(SensorAttemptsTest, OneThatDoesNotIsLeftOutAndTheDiveEnds) {
+TEST_F(SensorAttemptsTest, AnUnconfirmedImuThatDoesNotFindTheSceneIsLeftOut) {
     SensorAttempts attempts = alone(50, true);
     EXPECT_TRUE(again(attempts, 52));
     EXPECT_TRUE(attempts.plan().left_out.imu);

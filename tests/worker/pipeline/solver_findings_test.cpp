@@ -76,14 +76,14 @@ TEST_F(DivergenceTest, APathOfManyTimesTheOdometryIsNoModel) {
     EXPECT_TRUE(diverged());
 }
 
-TEST_F(DivergenceTest, TheWayFromOneSegmentToTheNextDoesNotCount) {
+TEST_F(DivergenceTest, TheDistanceBetweenSegmentsDoesNotCount) {
     result_.keyframes[1].segment = result_.keyframes[2].segment = 1;
     for (std::size_t i = 50; i < 100; ++i)
         result_.trajectory[i].T_world_imu.translation().x() += 500.0;
     EXPECT_FALSE(diverged());
 }
 
-TEST_F(DivergenceTest, NorDoesAMotionThatWasNotMeasured) {
+TEST_F(DivergenceTest, UnmeasuredMotionDoesNotCount) {
     result_.breaks_ns = {50};
     for (std::size_t i = 50; i < 100; ++i)
         result_.trajectory[i].T_world_imu.translation().x() += 500.0;

@@ -75,7 +75,12 @@ TEST_F(TrackAgreementTest, AMoveIsMeasuredInSigmasOfBothPaths) {
         now_.keyframes[k].T_world_cam.translation().y() += drift_.position_sigma_m(0, k);
     EXPECT_NEAR(
         moved_rms_sigmas(tracked_.keyframes, now_.keyframes, covariances, drift_), 1.0, 0.01);
-    EXPECT_EQ(moved_rms_sigmas(tracked_.keyframes, now_.keyframes, {}, drift_), 0.0);
+}
+
+TEST_F(TrackAgreementTest, WithoutACovarianceAMoveIsMeasuredInSigmasOfTheDrift) {
+    for (std::size_t k = 1; k < now_.keyframes.size(); ++k)
+        now_.keyframes[k].T_world_cam.translation().y() += 2.0 * drift_.position_sigma_m(0, k);
+    EXPECT_NEAR(moved_rms_sigmas(tracked_.keyframes, now_.keyframes, {}, drift_), 2.0, 1e-9);
 }
 
 }  // namespace

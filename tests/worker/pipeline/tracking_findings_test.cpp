@@ -84,7 +84,8 @@ TEST_F(TrackingFindingsTest, FeaturesWithoutARightImageAreACause) {
 TEST_F(TrackingFindingsTest, TooLittleOverlapIsACauseAndTheRemedyIsARate) {
     swim(2.0, 41, 70, {300, 290});
     const Finding finding = tracking_findings(track_).at(1);
-    EXPECT_NE(finding.message.find("images overlap by 25 %"), std::string::npos) << finding.message;
+    EXPECT_NE(finding.message.find("consecutive images overlap by only 25 %"), std::string::npos)
+        << finding.message;
     EXPECT_NE(finding.remedy.find("above 4 pairs a second"), std::string::npos) << finding.remedy;
 }
 

@@ -115,19 +115,19 @@ TEST(EstimateTest, IntervalsHoldTheTruthInNinetyFiveOfAHundredSurfaces) {
     }
     EXPECT_GT(raised, 0.005);  // if left in, no interval would hold the truth
     for (std::size_t k = 0; k < truth.size(); ++k) {
-        EXPECT_GE(num_held[k], 90) << "figure " << k;
-        EXPECT_LE(num_held[k], 99) << "figure " << k;
+        EXPECT_GE(num_held[k], 90) << "metric " << k;
+        EXPECT_LE(num_held[k], 99) << "metric " << k;
     }
 }
 
-TEST(EstimateTest, OfASurfaceWithoutNoiseIsWhatWasMeasured) {
+TEST(EstimateTest, EqualsTheMeasurementWithoutNoise) {
     const stats::Estimate exact = stats::estimate({1.5, 1.5, {}, {}}, 0.25);
     EXPECT_EQ(exact.value, 1.5);
     EXPECT_EQ(exact.low, 1.5);
     EXPECT_EQ(exact.high, 1.5);
 }
 
-TEST(EstimateTest, WhatSharpeningPutBackIsDoubted) {
+TEST(EstimateTest, SharpeningWidensTheInterval) {
     const stats::Estimate sharper = stats::estimate({1.40, 1.45, {}, {}}, 0.25);
     EXPECT_NEAR(sharper.value, 1.45, 1e-12);
     EXPECT_NEAR(sharper.high - sharper.low, 2.0 * 1.96 * 0.05, 1e-4);

@@ -27,7 +27,7 @@ HeightGrid grid_of(const HeightOf& height, int num, double spacing_m) {
 
 bool is_in_hole(double x, double y) { return std::hypot(x - 0.32, y - 0.3) < 0.06; }
 
-TEST(BridgeGaps, AHoleInAPlaneIsClosedAlongIt) {
+TEST(FillGaps, FillsAHoleInAPlaneAlongThePlane) {
     const auto plane = [](double x, double y) { return 0.1 + 0.4 * x - 0.2 * y; };
     const HeightGrid whole = grid_of(plane, 64, 0.01);
     HeightGrid holed = whole;
@@ -45,7 +45,7 @@ TEST(BridgeGaps, AHoleInAPlaneIsClosedAlongIt) {
     }
 }
 
-TEST(BridgeGaps, BetweenTwoLevelsLiesBetweenThem) {
+TEST(FillGaps, FillsAGapAtAStepBetweenTheTwoLevels) {
     HeightGrid step = grid_of([](double x, double) { return x < 0.2 ? 0.3 : 0.0; }, 41, 0.01);
     for (int row = 0; row < 41; ++row)
         for (int column = 20; column < 26; ++column)
@@ -59,7 +59,7 @@ TEST(BridgeGaps, BetweenTwoLevelsLiesBetweenThem) {
         }
 }
 
-TEST(BridgeGaps, GroundAtTheFootOfAStepMayGoOnUpToIt) {
+TEST(FillGaps, FillsLowGroundUpToTheFootOfAStep) {
     HeightGrid step = grid_of([](double x, double) { return x < 0.2 ? 0.3 : 0.0; }, 41, 0.01);
     HeightGrid holed = step;
     for (int row = 10; row < 30; ++row)
@@ -68,12 +68,12 @@ TEST(BridgeGaps, GroundAtTheFootOfAStepMayGoOnUpToIt) {
     EXPECT_EQ(gaps_filled_low(holed).heights_m, step.heights_m);
 }
 
-TEST(BridgeGaps, NothingSeenStaysUnseen) {
+TEST(FillGaps, AnUnseenGridStaysUnseen) {
     const HeightGrid dark = grid_of([](double, double) { return kUnseen_m; }, 5, 0.01);
     EXPECT_EQ(gaps_filled(dark).heights_m, dark.heights_m);
 }
 
-TEST(MoveSteps, ABlockIsWiderOrNarrowerByTheDistance) {
+TEST(DilateSteps, ABlockGrowsOrShrinksByTheDistance) {
     const auto block = [](double x, double y) {
         return x > 0.195 && x < 0.395 && y > 0.195 && y < 0.395 ? 0.5 : 0.0;
     };
@@ -88,7 +88,7 @@ TEST(MoveSteps, ABlockIsWiderOrNarrowerByTheDistance) {
     EXPECT_NEAR(narrower, (4 * 0.2 - 4 * 0.02) * 0.01 * (0.49 + 0.48), 0.02 * narrower);
 }
 
-TEST(MoveSteps, GroundBelowFortyFiveDegreesStays) {
+TEST(DilateSteps, GroundBelow45DegreesStaysUnchanged) {
     const auto slope = [](double x, double y) { return 0.6 * x - 0.3 * y; };
     const HeightGrid grid = grid_of(slope, 40, 0.01);
     for (const double outwards_m : {0.03, -0.03})

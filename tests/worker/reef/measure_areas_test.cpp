@@ -78,7 +78,7 @@ TEST(MeasureAreas, NoiseIsTakenBackByItsLocalPartAlone) {
     EXPECT_LE(measured["areas"][1]["sigma_local_m"].get<double>(), 0.000101);
 }
 
-TEST(MeasureAreas, WhatAllOfTheSurfaceErrsByIsInTheIntervals) {
+TEST(MeasureAreas, IntervalsIncludeErrorsThatTheWholeSurfaceShares) {
     const types::Mesh mesh = sheet(0.5, 0.01, [](double x, double) { return 0.1 + 0.5 * x; });
     MeasureOptions options;
     options.scale_sigma = 0.01;

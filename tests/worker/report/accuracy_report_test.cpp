@@ -254,7 +254,7 @@ TEST_F(AccuracyReportTest, AreasGiveReefMetricsWithIntervalsToRequire) {
     EXPECT_TRUE(metric(report, "reef.planar_area[q1].low")["value"].is_number());
     EXPECT_EQ(report["requirements"][0]["met"], true);
     EXPECT_EQ(report["requirements"][1]["met"], false);
-    EXPECT_NE(read("report.html").find("Reef and wreck figures"), std::string::npos);
+    EXPECT_NE(read("report.html").find("Reef and wreck metrics"), std::string::npos);
     EXPECT_NE(read("report.csv").find("reef.planar_area[q1],"), std::string::npos);
 }
 

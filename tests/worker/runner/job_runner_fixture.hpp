@@ -23,7 +23,7 @@
 
 namespace divemesh::runner {
 
-// A real worker, parent and child, as processes; only the pipeline behind it is a fake.
+// A test with real worker processes, parent and child, and a fake pipeline.
 class JobRunnerTest : public testing::Test {
 protected:
     Process start_worker(const std::string& deadline_ms = "600000",
@@ -45,7 +45,7 @@ protected:
                        output);
     }
 
-    // Makes a job for a dive whose reconstruction does what `script` says.
+    // Creates a job for a dive. The fake pipeline runs `script` as its reconstruction.
     Job make_job(const std::string& script, int max_attempts = 3) {
         std::ofstream(folder_ / "archive") << script;
         const Upload upload = uploads_.create({.project = "default", .length_bytes = 0});
@@ -85,8 +85,8 @@ protected:
             return state.empty() || state == "Z";
         });
     }
-    // Freezes the worker outside its own writes: in one, SQLite would make all other writers wait
-    // until the worker continues.
+    // Stops the worker outside its own transactions. Within one, SQLite would block all other
+    // writers until the worker continues.
     void freeze(Process& worker) {
         catalog_.transaction([&](soci::session&) {
             worker.send(SIGSTOP);

@@ -24,20 +24,20 @@ types::Features features_from(double min_px, double max_px, int num) {
     return features;
 }
 
-TEST(ChooseRange, HoldsTheFeaturesWithRoomAroundThem) {
+TEST(DisparitySearchRange, ContainsTheFeaturesWithAMargin) {
     const types::DisparityRange range = disparity_search_range(features_from(40.0, 60.0, 100), 256);
     EXPECT_EQ(range.num_px, 64);
     EXPECT_LE(range.first_px, 30);
     EXPECT_GE(range.first_px + range.num_px, 80);
 }
 
-TEST(ChooseRange, IsTheWholeOneWhereFeaturesAreFewOrFarApart) {
+TEST(DisparitySearchRange, IsTheFullRangeIfFeaturesAreFewOrFarApart) {
     EXPECT_EQ(disparity_search_range(features_from(40.0, 60.0, 20), 128).num_px, 128);
     EXPECT_EQ(disparity_search_range(features_from(5.0, 90.0, 100), 128).num_px, 128);
     EXPECT_EQ(disparity_search_range({}, 96).num_px, 96);
 }
 
-TEST(ChooseRange, StaysWithinTheWholeOne) {
+TEST(DisparitySearchRange, StaysWithinTheFullRange) {
     const types::DisparityRange near =
         disparity_search_range(features_from(110.0, 126.0, 100), 128);
     EXPECT_EQ(near.first_px + near.num_px, 128);
@@ -86,7 +86,7 @@ TEST(CoarseDisparitySearch, CountsWhatNoSearchWithinTheRangeCanFind) {
     EXPECT_LT(held.num_too_near + held.num_too_far, held.num_patches / 50);
 }
 
-TEST(CoarseDisparitySearch, SeesBeyondTheWholeRange) {
+TEST(CoarseDisparitySearch, FindsDisparitiesBeyondTheFullRange) {
     const WarpedPair pair = make_warped_pair([](double, double) { return 100.0; }, kLarge);
     const auto patches = CoarseDisparitySearch(64).survey(pair.left, pair.right);
     const types::SearchOutcome outcome = outcome_of({0, 64}, patches);
@@ -154,6 +154,7 @@ TEST(StereoMatcher, SearchesLargeImagesAsNearAsSmallOnes) {
 }
 
 TEST(CensusSgm, EveryInstructionSetGivesTheSameWithinARange) {
+    if (base::best_instructions() == base::Instructions::Baseline) GTEST_SKIP() << "no AVX2 here";
     const WarpedPair pair = make_warped_pair(slanted);
     const auto within = [&](base::Instructions set) {
         return CensusSgm(128, set).compute(pair.left, pair.right, {27, 64});

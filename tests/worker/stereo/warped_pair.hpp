@@ -49,6 +49,7 @@ inline double texture(double x, double y) {
     return sum;
 }
 
+// Returns the pair whose left image is warped by `disparity`, px, with noise in both images.
 inline WarpedPair make_warped_pair(const std::function<double(double x, double y)>& disparity,
                                    const WarpedPairOptions& options = {}) {
     const cv::Size size(options.width_px, options.height_px);
@@ -77,6 +78,7 @@ struct DisparityError {
     double mean_px = 0.0;  // signed, over the errors within 1 px
 };
 
+// Compares disparities with the truth between 0 and `max_px`, without a border of 8 px.
 inline DisparityError compare_disparity(const cv::Mat& estimate,
                                         const cv::Mat& truth,
                                         double max_px) {

@@ -63,9 +63,9 @@ struct Pixels {
 
 // A swim of 1.5 m past a barge, with fish and snow; the reconstruction is compared with the
 // rendered masks.
-class MovingThingsTest : public testing::Test {
+class DynamicObjectsTest : public testing::Test {
 protected:
-    MovingThingsTest() {
+    DynamicObjectsTest() {
         simulator::simulate({.scene = simulator::SceneKind::Barge,
                              .out = dive_folder_,
                              .length_m = 1.5,
@@ -139,7 +139,7 @@ protected:
 
 // Objects without a feature, or with one for less than two frames, are left to the fusion: it needs
 // several views of a surface, and carves away what others see through.
-TEST_F(MovingThingsTest, FishAndSnowAreKeptOutOfTheSurface) {
+TEST_F(DynamicObjectsTest, FishAndSnowAreKeptOutOfTheSurface) {
     ASSERT_GT(fish_.num, 1000.0);
     ASSERT_GT(snow_.num, 1000.0);
     EXPECT_LT(fish_.share_with_depth(), 0.5 * scene_.share_with_depth());

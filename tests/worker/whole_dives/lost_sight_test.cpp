@@ -105,14 +105,14 @@ TEST_F(LostSightTest, ADiveThatBeginsInTheDarkBeginsWhereItSees) {
     EXPECT_LT(ate_m(track), 0.02);
 }
 
-TEST_F(LostSightTest, WithoutInertiaItIsJoinedWhereItComesByAgain) {
+TEST_F(LostSightTest, WithoutInertiaALoopJoinsTheSegments) {
     const types::OptimisedTrack track = swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}});
     EXPECT_EQ(num_segments(track), 1U);
     EXPECT_LT(ate_m(track), 0.02);
     EXPECT_TRUE(track.calibration.is_known());
 }
 
-TEST_F(LostSightTest, WithoutInertiaAndLoopsItStaysInPieces) {
+TEST_F(LostSightTest, WithoutInertiaAndLoopsItStaysInTwoSegments) {
     const types::OptimisedTrack track =
         swim(2.0, 4.0, {{"use_imu", false}, {"use_ahrs", false}, {"close_loops", false}});
     EXPECT_EQ(num_segments(track), 2U);
@@ -122,7 +122,7 @@ TEST_F(LostSightTest, WithoutInertiaAndLoopsItStaysInPieces) {
     EXPECT_GT(path_length_m(track), 2.2);
 }
 
-TEST_F(LostSightTest, NextToNothingButBlankImagesIsNoModel) {
+TEST_F(LostSightTest, AlmostOnlyBlankImagesGiveNoModel) {
     for (const char* estimator : {"window", "pairwise"}) {
         const types::OptimisedTrack track = swim(0.5, 1e3, {{"estimator", estimator}});
         EXPECT_TRUE(has(track, "nothing_reconstructed")) << estimator;

@@ -210,7 +210,7 @@ std::vector<double> distances_m(const nlohmann::json& markers) {
     return distances;
 }
 
-TEST_F(MarkedDiveTest, ADiveInPiecesIsScaledByOneFactorInEachOfThem) {
+TEST_F(MarkedDiveTest, AllSegmentsOfADiveAreScaledByOneFactor) {
     // A cloud of silt for four seconds: what is seen before and after it does not overlap.
     constexpr std::size_t kFirstBlank = 22;
     constexpr std::size_t kAfterBlank = 60;

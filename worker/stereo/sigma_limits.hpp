@@ -1,0 +1,8 @@
+#pragma once
+
+namespace divemesh::stereo {
+
+// The least sigma of a measured disparity, px: errors of calibration, interpolation and slant.
+inline constexpr float kMinSigma_px = 0.15F;
+
+}  // namespace divemesh::stereo
