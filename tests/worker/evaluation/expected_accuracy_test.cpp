@@ -82,7 +82,7 @@ TEST(ExpectedAccuracyTest, BoundsCoverASensorThatContradictsTheCameras) {
     const ExpectedAccuracy contradicted = known.expected(1, &bars);
     const double off = 1.0 - 1.0 / 1.1;
     EXPECT_NEAR(contradicted.contradiction, off, 1e-9);
-    EXPECT_NEAR(contradicted.cameras.value().sigma, std::hypot(0.002, off / 1.96), 1e-9);
+    EXPECT_NEAR(contradicted.cameras.value().sigma, std::hypot(0.002, off / 1.959963984540), 1e-9);
     const double spread_m = std::sqrt((20.0 * 20.0 - 1.0) / 12.0);
     EXPECT_NEAR(contradicted.ate_bound_m.value(), std::hypot(before_m, off * spread_m), 1e-9);
 }

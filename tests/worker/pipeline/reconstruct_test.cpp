@@ -54,9 +54,9 @@ TEST_F(OptimiseTest, ATrackThatNothingAdjustsIsCheckedToo) {
 
 TEST_F(OptimiseTest, ADivergedResultSaysHowItsSolversEnded) {
     // Observations that no path and no landmark explains.
-    for (types::Landmark& landmark : track_.landmarks)
-        for (types::LandmarkObservation& seen : landmark.observations)
-            seen.u_px += seen.keyframe % 2 == 0 ? 8.0F : -8.0F;
+    for (std::size_t i = 0; i < track_.landmarks.size(); ++i)
+        for (types::LandmarkObservation& seen : track_.landmarks[i].observations)
+            seen.u_px += (static_cast<int>(i) + seen.keyframe) % 2 == 0 ? 8.0F : -8.0F;
     const types::OptimisedTrack result = optimised();
     ASSERT_TRUE(diverged(result));
     EXPECT_GT(result.statistics.bundle_adjustment.num_solves, 0);

@@ -8,6 +8,8 @@
 #include <iterator>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <string>
 
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
@@ -119,7 +121,8 @@ TEST_F(AlteredDivesTest, MisalignedPairStatesAnotherPitchOfTheRightCamera) {
 
 TEST_F(AlteredDivesTest, TruthAndImuAreAtRestInAPause) {
     calm_.pauses = {{0.0, 2.0}};
-    const auto dive = opened(rendered("dive", calm_));
+    const fs::path folder = rendered("dive", calm_);
+    const auto dive = opened(folder);
     const auto& truth = dive->ground_truth();
     ASSERT_FALSE(truth.empty());
     int num_at_rest = 0;
@@ -130,11 +133,22 @@ TEST_F(AlteredDivesTest, TruthAndImuAreAtRestInAPause) {
     }
     EXPECT_GT(num_at_rest, 300);
     EXPECT_FALSE(truth.back().T_world_imu.isApprox(truth.front().T_world_imu, 1e-3));
-    int num_samples = 0;  // during the pause
-    for (const auto& sample : dive->imu()) {
-        if (sample.timestamp_ns > kFirstFrame_ns + 2'000'000'000) break;
-        EXPECT_LT(sample.angular_velocity_imu.norm(), 1e-9);
-        EXPECT_NEAR(sample.acceleration_imu.norm(), kGravity, 1e-6);
+    // As written: intake leaves out rows that repeat, as a sensor without noise does at rest.
+    std::ifstream rows(folder / "mav0/imu0/data.csv");
+    std::string row;
+    std::getline(rows, row);  // the heading
+    int num_samples = 0;      // during the pause
+    while (std::getline(rows, row)) {
+        std::replace(row.begin(), row.end(), ',', ' ');
+        std::istringstream columns(row);
+        std::int64_t timestamp_ns = 0;
+        Eigen::Vector3d rate, force;
+        columns >> timestamp_ns >> rate.x() >> rate.y() >> rate.z() >> force.x() >> force.y() >>
+            force.z();
+        ASSERT_TRUE(columns) << row;
+        if (timestamp_ns > kFirstFrame_ns + 2'000'000'000) break;
+        EXPECT_LT(rate.norm(), 1e-9);
+        EXPECT_NEAR(force.norm(), kGravity, 1e-6);
         ++num_samples;
     }
     EXPECT_GT(num_samples, 300);
