@@ -12,7 +12,7 @@ namespace divemesh::dive {
 namespace {
 
 constexpr int kNumTerms = 9;
-constexpr std::size_t kMinSamples = 5 * kNumTerms;
+constexpr std::size_t kMinSamples = 45;  // five for each term
 constexpr int kNumRounds = 5;
 constexpr double kMinScale_px_s = 0.1;
 constexpr double kPriorInformation = 1e-6;

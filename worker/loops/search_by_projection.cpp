@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <ranges>
 
 #include "worker/features/align_patch.hpp"
 #include "worker/features/plane_warp.hpp"
@@ -68,6 +67,11 @@ types::Features find_inliers(const types::RectifiedRig& rig,
     return result;
 }
 
+std::size_t num_cells_of(const types::RectifiedRig& rig, const types::Features& features) {
+    return types::num_cells(
+        rig, features, [](const types::Feature& feature) { return feature.pixel; });
+}
+
 }  // namespace
 
 void refine_coarse_to_fine(const types::RectifiedRig& rig,
@@ -112,9 +116,7 @@ std::optional<types::Features> search_by_projection(const types::RectifiedRig& r
             found = find_inliers(rig, points, found, T_to_from);
         }
     }
-    if (found.size() < kMinFound ||
-        types::num_cells(rig, found | std::views::transform(&types::Feature::pixel)) < kMinCells)
-        return std::nullopt;
+    if (found.size() < kMinFound || num_cells_of(rig, found) < kMinCells) return std::nullopt;
     return found;
 }
 

@@ -113,12 +113,12 @@ std::optional<Eigen::Isometry3d> RestDetector::significant_motion(const PointPai
     const double noise = noise_of(rig_, pairs, T_cam_anchor);
     sigma_rad_ = noise * largest_sigma(covariance.topLeftCorner<3, 3>());
     sigma_m_ = noise * largest_sigma(covariance.bottomRightCorner<3, 3>());
-    static const double max_of_six = stats::chi_square_quantile(kConfidence, 6.0);
-    static const double max_of_three = stats::chi_square_quantile(kConfidence, 3.0);
-    if (motion.dot(covariance.ldlt().solve(motion)) < max_of_six * noise * noise)
+    static const double kMaxOfSix = stats::chi_square_quantile(kConfidence, 6.0);
+    static const double kMaxOfThree = stats::chi_square_quantile(kConfidence, 3.0);
+    if (motion.dot(covariance.ldlt().solve(motion)) < kMaxOfSix * noise * noise)
         return Eigen::Isometry3d::Identity();
     const Eigen::Vector3d weighted = covariance.bottomRightCorner<3, 3>().ldlt().solve(moved);
-    if (moved.dot(weighted) > max_of_three * noise * noise) return T_cam_anchor.inverse();
+    if (moved.dot(weighted) > kMaxOfThree * noise * noise) return T_cam_anchor.inverse();
     Eigen::Isometry3d T_anchor_cam = Eigen::Isometry3d::Identity();
     T_anchor_cam.linear() =
         base::rotation_from_vector(covariance.topRightCorner<3, 3>() * weighted - turned)

@@ -1,6 +1,5 @@
 #include "worker/odometry/support.hpp"
 
-#include <ranges>
 #include <utility>
 #include <vector>
 
@@ -43,9 +42,9 @@ double median_error_px(const types::RectifiedRig& rig,
 }  // namespace
 
 std::size_t num_cells(const types::RectifiedRig& rig, const PointPairs& pairs) {
-    return types::num_cells(rig, pairs | std::views::transform([](const PointPair& pair) {
-                                     return Eigen::Vector2d(pair.current_px.head<2>());
-                                 }));
+    return types::num_cells(rig, pairs, [](const PointPair& pair) {
+        return Eigen::Vector2d(pair.current_px.head<2>());
+    });
 }
 
 bool is_near_prediction(const types::RectifiedRig& rig,

@@ -3,23 +3,24 @@
 #include <Eigen/Core>
 #include <bitset>
 #include <cstddef>
-#include <ranges>
 
 #include "worker/types/rectified_rig.hpp"
 
 namespace divemesh::types {
 
-// Returns the number of cells of the left image, of 8 x 6, in which a pixel lies.
-template <std::ranges::input_range Pixels>
-std::size_t num_cells(const RectifiedRig& rig, const Pixels& pixels) {
+// Returns the number of cells of the left image, of 8 x 6, in which the pixel of an item lies.
+template <typename Items, typename PixelOf>
+std::size_t num_cells(const RectifiedRig& rig, const Items& items, const PixelOf& pixel_of) {
     constexpr int kColumns = 8;
     constexpr int kRows = 6;
-    std::bitset<kColumns * kRows> seen;
-    for (const Eigen::Vector2d& pixel : pixels) {
+    std::bitset<48> seen;
+    for (const auto& item : items) {
+        const Eigen::Vector2d pixel = pixel_of(item);
         const int column = static_cast<int>(pixel.x() * kColumns / rig.width_px);
         const int row = static_cast<int>(pixel.y() * kRows / rig.height_px);
-        if (column >= 0 && column < kColumns && row >= 0 && row < kRows)
-            seen.set(static_cast<std::size_t>(row * kColumns + column));
+        if (column < 0 || column >= kColumns || row < 0 || row >= kRows) continue;
+        const int cell = row * kColumns + column;
+        seen.set(static_cast<std::size_t>(cell));
     }
     return seen.count();
 }
