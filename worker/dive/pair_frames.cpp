@@ -127,6 +127,7 @@ private:
         const cv::Mat right = images_.load_right({a.right_ns, a.right});
         const cv::Mat after = images_.load_left({b.timestamp_ns, b.left});
         if (left.empty() || right.empty() || after.empty()) return {};
+        if (left.size() != right.size()) return {};  // refused later: calibration_resolution
         return sample_epipolar_errors(
             rig_, left, right, after, to_s(b.timestamp_ns - a.timestamp_ns));
     }

@@ -188,6 +188,30 @@ TEST_F(PairFramesTest, CamerasThatFireApartAreSaidWithTheSizeOfIt) {
     }
 }
 
+TEST_F(PairFramesTest, TheSigmaOfADelayHolds) {
+    for (const double late_s : {0.005, 0.01, 0.02, 0.03, -0.01}) {
+        Recorded recorded;
+        recorded.right_late_s = late_s;
+        const StereoDelay delay = pair_frames(record(recorded), rig()).delay;
+        EXPECT_TRUE(delay.is_significant()) << late_s;
+        EXPECT_LT(std::abs(delay.delay_s - late_s), 2.0 * delay.sigma_s) << late_s;
+        EXPECT_LT(delay.sigma_s, 2e-3) << late_s;
+    }
+}
+
+// Rigs of two unlike cameras are refused with a finding of their own.
+TEST_F(PairFramesTest, ImagesOfTwoSizesArePairedByTheirTimestamps) {
+    CameraImages images = record({});
+    images.load_right = [this](const CameraRow& row) {
+        cv::Mat half;
+        cv::resize(wall_.seen_at(std::stod(row.file), kBaseline_m), half, {}, 0.5, 0.5);
+        return half;
+    };
+    const PairedFrames frames = pair_frames(images, rig());
+    EXPECT_EQ(frames.pairs.size(), 80U);
+    EXPECT_FALSE(frames.delay.is_determined);
+}
+
 TEST_F(PairFramesTest, ImagesThatShowNothingConfirmNoDifference) {
     Recorded recorded;
     recorded.right_clock_s = 77.0;
