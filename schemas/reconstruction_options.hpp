@@ -13,7 +13,9 @@ namespace divemesh {
 // its text for --explain. Units end the name where they are not SI.
 struct ReconstructionOptions {
     // Each group is what one stage is the first to read
-    // (worker/pipeline/reconstruction_stages.cpp). align
+    // (worker/pipeline/reconstruction_stages.cpp).
+
+    // align
     bool align_cameras = true;  // estimate the right camera's pose before tracking
     // track: steps 1 to 6
     std::string stereo = "sgm";        // block (the paper) | sgm | opencv_sgbm
