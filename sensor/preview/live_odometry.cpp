@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/refine_pose.hpp"
@@ -22,7 +23,7 @@ constexpr int kMinChanges = 4;    // min number for estimating how the motion va
 constexpr double kUnrest = 0.01;  // used until then: 0.1 m/s, 6 deg/s within a second
 
 double seconds_between(std::int64_t before_ns, std::int64_t after_ns) {
-    return static_cast<double>(after_ns - before_ns) * 1e-9;
+    return base::to_s(after_ns - before_ns);
 }
 
 Vector6d vector_of(const Eigen::Isometry3d& T) {

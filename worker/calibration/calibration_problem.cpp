@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/camera/rerectifier.hpp"
 #include "worker/imu/imu_steps.hpp"
 #include "worker/optimisation/ceres_outcome.hpp"
@@ -196,7 +197,7 @@ void CalibrationProblem::add_observations(ceres::Problem& problem,
 }
 
 void CalibrationProblem::add_gyro_rotations(ceres::Problem& problem) {
-    const std::int64_t shift_ns = std::llround(1e9 * unknowns_.time_offset_s);
+    const std::int64_t shift_ns = base::to_ns(unknowns_.time_offset_s);
     const auto& samples = inertial_.rates();
     for (std::size_t k = 1; k < states_.size(); ++k) {
         State& from = states_[k - 1];
@@ -212,7 +213,7 @@ void CalibrationProblem::add_gyro_rotations(ceres::Problem& problem) {
         const Eigen::Vector3d by_time =
             rate(to_ns) - integral->q_from_to.conjugate() * rate(from_ns);
         problem.AddResidualBlock(optimisation::MisalignedGyroRotationCost::create(
-                                     {*integral, by_time, 1e-9 * static_cast<double>(shift_ns)}),
+                                     {*integral, by_time, base::to_s(shift_ns)}),
                                  nullptr,
                                  q(from),
                                  q(to),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdlib>
 
+#include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 
 namespace divemesh::dive {
@@ -11,7 +12,7 @@ namespace {
 constexpr std::int64_t kPause_ns = 10'000'000'000;  // no slow card loses as much
 
 std::string seconds(std::int64_t ns, int places = 3) {
-    return base::fixed(static_cast<double>(ns) * 1e-9, places) + " s";
+    return base::fixed(base::to_s(ns), places) + " s";
 }
 
 // The rows of two tables around one step are at most a period apart, each.
@@ -58,7 +59,7 @@ bool pauses_between(const std::vector<types::ImuSample>& imu,
         return s.timestamp_ns > begin_ns && s.timestamp_ns < end_ns;
     });
     // An IMU that goes on has far more than ten rows in ten seconds.
-    return static_cast<double>(inside) < static_cast<double>(end_ns - begin_ns) * 1e-9;
+    return static_cast<double>(inside) < base::to_s(end_ns - begin_ns);
 }
 
 }  // namespace

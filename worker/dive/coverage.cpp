@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 #include "worker/dive/common_clock.hpp"
 
@@ -33,9 +34,8 @@ void check_sensor(const DiveContents& contents,
         samples.clear();
         return;
     }
-    const double covered_s =
-        static_cast<double>(std::min(end, last) - std::max(begin, first)) * 1e-9;
-    const double dive_s = static_cast<double>(last - first) * 1e-9;
+    const double covered_s = base::to_s(std::min(end, last) - std::max(begin, first));
+    const double dive_s = base::to_s(last - first);
     if (covered_s < 0.98 * dive_s)
         findings.warning(sensor + "_partial",
                          file,

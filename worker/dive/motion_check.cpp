@@ -7,6 +7,7 @@
 
 #include "worker/base/angle.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/dive/mounting_check.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/dive/stereo_rays.hpp"
@@ -47,7 +48,7 @@ std::optional<Eigen::Vector3d> integrate_gyro(const std::vector<types::ImuSample
     for (std::int64_t now = begin_ns; sample != imu.end() && now < end_ns; ++sample) {
         if (sample->timestamp_ns - now > max_interval_ns) return std::nullopt;
         const std::int64_t until = std::min(sample->timestamp_ns, end_ns);
-        const double seconds = static_cast<double>(until - now) * 1e-9;
+        const double seconds = base::to_s(until - now);
         rotation = rotation * base::rotation_from_vector(sample->angular_velocity_imu * seconds);
         now = until;
     }
@@ -64,7 +65,7 @@ Moment moment_at(const DiveContents& contents, int first, std::int64_t max_inter
     Moment moment{first, first, 0.0, Eigen::Vector3d::Zero()};
     if (contents.imu.empty()) return moment;
     for (int second = first + 1; second < num_pairs; ++second) {
-        const double seconds = static_cast<double>(time(second) - time(first)) * 1e-9;
+        const double seconds = base::to_s(time(second) - time(first));
         if (seconds > kMaxInterval_s) break;
         const auto rotation =
             integrate_gyro(contents.imu, time(first), time(second), max_interval_ns);

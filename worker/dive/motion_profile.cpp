@@ -5,6 +5,7 @@
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 
+#include "worker/base/seconds.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::dive {
@@ -117,8 +118,8 @@ MotionProfile motion_profile(const std::vector<std::int64_t>& timestamps_ns,
         const auto flow_px = i > 0 ? median_flow_px(before, image) : std::nullopt;
         before = image;
         if (!flow_px) continue;
-        const double begin_s = static_cast<double>(timestamps_ns[i - 1] - start_ns) * 1e-9;
-        const double end_s = static_cast<double>(timestamps_ns[i] - start_ns) * 1e-9;
+        const double begin_s = base::to_s(timestamps_ns[i - 1] - start_ns);
+        const double end_s = base::to_s(timestamps_ns[i] - start_ns);
         profile.push_back({0.5 * (begin_s + end_s), *flow_px / ((end_s - begin_s) * image.cols)});
     }
     return profile;

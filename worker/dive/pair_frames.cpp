@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "worker/base/seconds.hpp"
 #include "worker/dive/motion_profile.hpp"
-#include "worker/dive/seconds.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/stats/median.hpp"
 
@@ -129,7 +129,7 @@ private:
         if (left.empty() || right.empty() || after.empty()) return {};
         if (left.size() != right.size()) return {};  // refused later: calibration_resolution
         return sample_epipolar_errors(
-            rig_, left, right, after, to_s(b.timestamp_ns - a.timestamp_ns));
+            rig_, left, right, after, base::to_s(b.timestamp_ns - a.timestamp_ns));
     }
 
     // Compares how both images move over time, and pairs by the lag between them if that fits
@@ -144,9 +144,10 @@ private:
         left.resize(std::min(left.size(), kMaxProfileRows));
         if (left.empty()) return known;
         const std::int64_t base_ns = known.clocks.at(begin_ns);
-        const auto right = rows_between(images_.right,
-                                        begin_ns + base_ns - to_ns(kMaxLag_s),
-                                        left.back().timestamp_ns + base_ns + to_ns(kMaxLag_s));
+        const auto right =
+            rows_between(images_.right,
+                         begin_ns + base_ns - base::to_ns(kMaxLag_s),
+                         left.back().timestamp_ns + base_ns + base::to_ns(kMaxLag_s));
         const auto lag =
             find_lag(motion_profile(timestamps_of(left),
                                     begin_ns,
@@ -157,7 +158,7 @@ private:
                      kMaxLag_s);
         if (!lag || !lag->is_clear()) return known;
         ClockDifference clocks = known.clocks;
-        clocks.offset_ns += to_ns(lag->lag_s);
+        clocks.offset_ns += base::to_ns(lag->lag_s);
         clocks.reference_ns = begin_ns;
         PairedFrames found = pair_with(clocks);
         const double share = known.delay.share_fitting;
@@ -200,7 +201,8 @@ private:
             if (!std::isfinite(delay_s)) continue;
             const std::int64_t known_ns = known.clocks.at(pair.timestamp_ns);
             const std::int64_t gap_ns = pair.right_ns - pair.timestamp_ns - known_ns;
-            points.emplace_back(to_s(pair.timestamp_ns - start_ns), to_s(gap_ns) - delay_s);
+            points.emplace_back(base::to_s(pair.timestamp_ns - start_ns),
+                                base::to_s(gap_ns) - delay_s);
         }
         if (!known.delay.is_determined) return std::nullopt;
         const Line level = fit_line(points, true);
@@ -212,10 +214,10 @@ private:
         if (!drifts && !known.delay.is_significant()) return std::nullopt;
         const Line& best = drifts ? line : level;
         const double unsure_s = std::max(kMinDelay_s, kDelaySigmas * known.delay.sigma_s);
-        if (!drifts && std::abs(to_s(known.clocks.at(start_ns)) + best.at_zero) < unsure_s)
+        if (!drifts && std::abs(base::to_s(known.clocks.at(start_ns)) + best.at_zero) < unsure_s)
             return ClockDifference{};  // the timestamps are right, and the cameras are not together
         ClockDifference clocks = known.clocks;
-        clocks.offset_ns = known.clocks.at(start_ns) + to_ns(best.at_zero);
+        clocks.offset_ns = known.clocks.at(start_ns) + base::to_ns(best.at_zero);
         clocks.reference_ns = start_ns;
         clocks.drift += best.slope;
         return clocks;

@@ -2,9 +2,9 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 #include "worker/dive/pair_frames.hpp"
-#include "worker/dive/seconds.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -31,9 +31,9 @@ void report_no_pair(const CameraImages& images, FindingLog& findings) {
 void report_clocks(const PairedFrames& frames, FindingLog& findings) {
     if (frames.clocks.is_zero()) return;
     const auto& clocks = frames.clocks;
-    const double start_s = to_s(clocks.offset_ns);
-    const double end_s = start_s + clocks.drift * to_s(frames.pairs.back().timestamp_ns -
-                                                       frames.pairs.front().timestamp_ns);
+    const double start_s = base::to_s(clocks.offset_ns);
+    const double end_s = start_s + clocks.drift * base::to_s(frames.pairs.back().timestamp_ns -
+                                                             frames.pairs.front().timestamp_ns);
     const std::string confirmed =
         frames.delay.is_determined
             ? "; the images confirm it to " +
@@ -88,8 +88,8 @@ void report_delay(const PairedFrames& frames, double baseline_m, FindingLog& fin
     findings.warning("frames_unsynchronised",
                      kRightRows,
                      "left and right images are up to " +
-                         base::fixed(1e3 * to_s(max_offset_ns), 2) + " ms apart" +
-                         effect_of(to_s(max_offset_ns), delay, baseline_m),
+                         base::fixed(1e3 * base::to_s(max_offset_ns), 2) + " ms apart" +
+                         effect_of(base::to_s(max_offset_ns), delay, baseline_m),
                      "Trigger both cameras together, or move slowly.");
 }
 

@@ -4,6 +4,7 @@
 #include <limits>
 #include <numeric>
 
+#include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 #include "worker/dive/csv.hpp"
 #include "worker/stats/median.hpp"
@@ -136,7 +137,7 @@ std::string StampCheck::advice_text() const {
 void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns, double min_period_s) {
     const std::int64_t period_ns = median_period_ns(accepted_ns);
     if (period_ns == 0) return;
-    if (static_cast<double>(period_ns) * 1e-9 < min_period_s) {
+    if (base::to_s(period_ns) < min_period_s) {
         findings_.error(sensor_ + "_timestamp_unit",
                         file_,
                         "the timestamps increase by " + std::to_string(period_ns) +
@@ -161,10 +162,9 @@ void StampCheck::report_period(const std::vector<std::int64_t>& accepted_ns, dou
     findings_.warning(sensor_ + "_gap",
                       file_,
                       std::to_string(num_gaps) + " gaps; the longest is " +
-                          base::fixed(static_cast<double>(max_interval_ns) * 1e-9, 3) +
-                          " s after " + std::to_string(max_after_ns) +
-                          ", where there should be a row every " +
-                          base::fixed(static_cast<double>(period_ns) * 1e-9, 4) + " s",
+                          base::fixed(base::to_s(max_interval_ns), 3) + " s after " +
+                          std::to_string(max_after_ns) + ", where there should be a row every " +
+                          base::fixed(base::to_s(period_ns), 4) + " s",
                       "Check the recorder: a full disk or a slow card loses samples.");
 }
 

@@ -5,6 +5,7 @@
 #include <opencv2/core.hpp>
 #include <utility>
 
+#include "worker/base/seconds.hpp"
 #include "worker/dive/coverage.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/gravity_check.hpp"
@@ -247,9 +248,8 @@ void StoredDive::hash_contents(const base::ProgressCallback& progress) const {
 
 double StoredDive::duration_s() const {
     if (contents_.frames.pairs.empty()) return 0.0;
-    return static_cast<double>(contents_.frames.pairs.back().timestamp_ns -
-                               contents_.frames.pairs.front().timestamp_ns) *
-           1e-9;
+    return base::to_s(contents_.frames.pairs.back().timestamp_ns -
+                      contents_.frames.pairs.front().timestamp_ns);
 }
 
 std::optional<types::Mesh> StoredDive::read_reference_mesh() const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "worker/base/seconds.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 
 namespace divemesh::evaluation {
@@ -12,13 +13,8 @@ namespace {
 constexpr double kMinCorrelation = 0.3;
 constexpr std::size_t kMaxCandidates = 5;
 
-std::int64_t nanoseconds(double seconds) {
-    return static_cast<std::int64_t>(std::llround(seconds * 1e9));
-}
-
 double duration_s(const types::Trajectory& trajectory) {
-    return static_cast<double>(trajectory.back().timestamp_ns - trajectory.front().timestamp_ns) *
-           1e-9;
+    return base::to_s(trajectory.back().timestamp_ns - trajectory.front().timestamp_ns);
 }
 
 // Returns rates at equal time steps from the first pose; NaN where unknown.
@@ -29,9 +25,9 @@ std::vector<double> rates(const types::Trajectory& trajectory, double step_s, bo
     std::vector<double> result(count, std::nan(""));
     for (std::size_t i = 0; i < count; ++i) {
         const auto time_ns =
-            trajectory.front().timestamp_ns + nanoseconds(static_cast<double>(i) * step_s);
-        const auto before = pose_at(trajectory, time_ns - nanoseconds(reach_s));
-        const auto after = pose_at(trajectory, time_ns + nanoseconds(reach_s));
+            trajectory.front().timestamp_ns + base::to_ns(static_cast<double>(i) * step_s);
+        const auto before = pose_at(trajectory, time_ns - base::to_ns(reach_s));
+        const auto after = pose_at(trajectory, time_ns + base::to_ns(reach_s));
         if (!before || !after) continue;
         const Eigen::Isometry3d change = before->inverse() * *after;
         result[i] = (of_rotation ? Eigen::AngleAxisd(change.linear()).angle()
@@ -110,7 +106,7 @@ std::vector<double> likely_time_offsets_s(const types::Trajectory& estimate,
         std::max(kMinStep_s, std::sqrt(duration_s(estimate) * duration_s(truth) / kMaxProducts));
     const bool of_rotation = has_rotation(estimate) && has_rotation(truth);
     const double starts_apart_s =
-        static_cast<double>(truth.front().timestamp_ns - estimate.front().timestamp_ns) * 1e-9;
+        base::to_s(truth.front().timestamp_ns - estimate.front().timestamp_ns);
     std::vector<double> offsets_s;
     for (const Candidate& peak :
          peaks(rates(estimate, step_s, of_rotation), rates(truth, step_s, of_rotation)))

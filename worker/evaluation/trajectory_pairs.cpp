@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "worker/base/seconds.hpp"
+
 namespace divemesh::evaluation {
 namespace {
 
@@ -31,15 +33,15 @@ std::optional<Eigen::Isometry3d> pose_at(const types::Trajectory& trajectory,
         timestamp_ns,
         [](const types::StampedPose& pose, std::int64_t time) { return pose.timestamp_ns < time; });
     if (after != trajectory.end() && after->timestamp_ns == timestamp_ns) return after->T_world_imu;
-    const auto seconds = [](std::int64_t ns) { return static_cast<double>(ns) * 1e-9; };
     if (after == trajectory.begin() || after == trajectory.end()) {
         const types::StampedPose& end = after == trajectory.end() ? trajectory.back() : *after;
-        const double beyond = std::abs(seconds(end.timestamp_ns - timestamp_ns));
+        const double beyond = std::abs(base::to_s(end.timestamp_ns - timestamp_ns));
         if (beyond > options.max_extrapolation_s) return std::nullopt;
         return end.T_world_imu;
     }
     const types::StampedPose& before = *std::prev(after);
-    if (seconds(after->timestamp_ns - before.timestamp_ns) > options.max_gap_s) return std::nullopt;
+    if (base::to_s(after->timestamp_ns - before.timestamp_ns) > options.max_gap_s)
+        return std::nullopt;
     return interpolate(before, *after, timestamp_ns);
 }
 

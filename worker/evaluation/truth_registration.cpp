@@ -10,6 +10,7 @@
 #include "schemas/error.hpp"
 #include "worker/base/angle.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/evaluation/alignment.hpp"
 #include "worker/evaluation/motion_correlation.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
@@ -27,12 +28,8 @@ constexpr double kMaxOrientationRms_deg = 5;
 constexpr std::size_t kMinPoses = 20;
 constexpr double kReach_s = 0.2;  // in both directions, for a velocity
 
-std::int64_t nanoseconds(double seconds) {
-    return static_cast<std::int64_t>(std::llround(seconds * 1e9));
-}
-
 types::Trajectory shifted(types::Trajectory trajectory, double offset_s) {
-    for (types::StampedPose& pose : trajectory) pose.timestamp_ns -= nanoseconds(offset_s);
+    for (types::StampedPose& pose : trajectory) pose.timestamp_ns -= base::to_ns(offset_s);
     return trajectory;
 }
 
@@ -57,8 +54,7 @@ public:
                  const TruthOptions& options)
         : estimate_(estimate), truth_(truth), options_(options) {
         const double duration_s =
-            static_cast<double>(estimate.back().timestamp_ns - estimate.front().timestamp_ns) *
-            1e-9;
+            base::to_s(estimate.back().timestamp_ns - estimate.front().timestamp_ns);
         reach_ = static_cast<std::size_t>(
             std::ceil(kReach_s * static_cast<double>(estimate.size() - 1) / duration_s));
     }
@@ -68,7 +64,7 @@ public:
         const Eigen::Matrix3d R = state.T_reference_world.linear();
         for (std::size_t i = 0; i < estimate_.size(); ++i) {
             const auto& [time_ns, T_world_body] = estimate_[i];
-            const auto truth = pose_at(truth_, time_ns + nanoseconds(state.offset_s));
+            const auto truth = pose_at(truth_, time_ns + base::to_ns(state.offset_s));
             if (!truth) continue;
             const Eigen::Vector3d p_world = T_world_body * state.lever_m;
             Row row;
@@ -109,7 +105,7 @@ private:
     Eigen::Vector3d velocity_world(std::size_t i, const Eigen::Vector3d& lever_m) const {
         const types::StampedPose& before = estimate_[i - std::min(i, reach_)];
         const types::StampedPose& after = estimate_[std::min(i + reach_, estimate_.size() - 1)];
-        const double seconds = static_cast<double>(after.timestamp_ns - before.timestamp_ns) * 1e-9;
+        const double seconds = base::to_s(after.timestamp_ns - before.timestamp_ns);
         return (after.T_world_imu * lever_m - before.T_world_imu * lever_m) / seconds;
     }
 
@@ -255,7 +251,7 @@ void solve_axes(const types::Trajectory& estimate,
     std::vector<Eigen::Matrix3d> rotations;
     Eigen::Matrix3d sum = Eigen::Matrix3d::Zero();
     for (const auto& [time_ns, T_world_body] : estimate) {
-        const auto marker = pose_at(truth, time_ns + nanoseconds(state.offset_s));
+        const auto marker = pose_at(truth, time_ns + base::to_ns(state.offset_s));
         if (!marker) continue;
         rotations.push_back((state.T_reference_world.linear() * T_world_body.linear()).transpose() *
                             marker->linear());

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/imu/gyroscope_path.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/robust.hpp"
@@ -31,8 +32,6 @@ constexpr double kMinRotation_rad = 4e-3;
 // of the least squares contain the gyroscope's. With less motion than this nothing is estimated.
 constexpr double kMinSignalToNoise = 4.0;
 
-std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
-
 struct State {
     double offset_s = 0.0;
     Eigen::Quaterniond q_body_imu = Eigen::Quaterniond::Identity();
@@ -44,10 +43,9 @@ public:
     Fit(const GyroscopePath& path, const std::vector<VisionRotation>& rotations) : path_(path) {
         for (const VisionRotation& rotation : rotations)
             if (path_.covers(rotation.from_ns - kReach_ns, rotation.to_ns + kReach_ns))
-                rotations_.push_back(
-                    {rotation,
-                     base::vector_from_rotation(rotation.q_from_to),
-                     1e-9 * static_cast<double>(rotation.to_ns - rotation.from_ns)});
+                rotations_.push_back({rotation,
+                                      base::vector_from_rotation(rotation.q_from_to),
+                                      base::to_s(rotation.to_ns - rotation.from_ns)});
     }
 
     std::size_t num_rotations() const { return rotations_.size(); }
@@ -94,7 +92,7 @@ public:
         }
         Matrix7 covariance = H.ldlt().solve(Matrix7::Identity());
         const Vector7 change = -covariance * g;
-        const double reach_s = 1e-9 * static_cast<double>(kReach_ns);
+        const double reach_s = base::to_s(kReach_ns);
         state.offset_s = std::clamp(state.offset_s + change(0), -reach_s, reach_s);
         state.q_body_imu =
             (base::rotation_from_vector(change.segment<3>(1)) * state.q_body_imu).normalized();
@@ -110,7 +108,7 @@ private:
     };
 
     Eigen::Vector3d gyroscope(const TimedRotation& rotation, double offset_s) const {
-        const std::int64_t shift_ns = nanoseconds(offset_s);
+        const std::int64_t shift_ns = base::to_ns(offset_s);
         return path_.rotation(rotation.seen.from_ns + shift_ns, rotation.seen.to_ns + shift_ns);
     }
     Eigen::Vector3d residual(const State& state, const TimedRotation& rotation) const {
@@ -154,7 +152,7 @@ State coarse(const Fit& fit) {
     double min_cost = -1.0;
     for (std::int64_t lag_ns = -kReach_ns; lag_ns <= kReach_ns; lag_ns += kCoarseStep_ns) {
         State state;
-        state.offset_s = 1e-9 * static_cast<double>(lag_ns);
+        state.offset_s = base::to_s(lag_ns);
         for (int i = 0; i < 2; ++i) fit.step(state, false);
         const double cost = fit.cost(state);
         if (min_cost >= 0.0 && cost >= min_cost) continue;
@@ -170,7 +168,7 @@ std::vector<types::ImuSample> aligned(const std::vector<types::ImuSample>& sampl
                                       const types::ImuAlignment& alignment) {
     std::vector<types::ImuSample> result = samples;
     for (types::ImuSample& sample : result) {
-        sample.timestamp_ns -= nanoseconds(alignment.time_offset_s);
+        sample.timestamp_ns -= base::to_ns(alignment.time_offset_s);
         sample.angular_velocity_imu = alignment.q_body_imu * sample.angular_velocity_imu;
         sample.acceleration_imu = alignment.q_body_imu * sample.acceleration_imu;
     }
@@ -181,7 +179,7 @@ std::vector<types::OrientationSample> aligned(const std::vector<types::Orientati
                                               const types::ImuAlignment& alignment) {
     std::vector<types::OrientationSample> result = samples;
     for (types::OrientationSample& sample : result) {
-        sample.timestamp_ns -= nanoseconds(alignment.time_offset_s);
+        sample.timestamp_ns -= base::to_ns(alignment.time_offset_s);
         sample.q_world_imu = sample.q_world_imu * alignment.q_body_imu.conjugate();
     }
     return result;

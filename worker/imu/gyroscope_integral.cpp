@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/imu/imu_steps.hpp"
 
 namespace divemesh::imu {
@@ -39,7 +40,7 @@ std::optional<GyroscopeIntegral> integrate_gyroscope(const std::vector<types::Im
                      integral);
         });
     if (failure) return std::nullopt;
-    integral.duration_s = 1e-9 * static_cast<double>(to_ns - from_ns);
+    integral.duration_s = base::to_s(to_ns - from_ns);
     integral.sigma_rad = noise.gyroscope_noise_density * std::sqrt(integral.duration_s);
     return integral;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/imu/imu_steps.hpp"
 
 namespace divemesh::imu {
@@ -47,7 +48,7 @@ std::size_t GyroscopePath::first_after(std::int64_t time_ns) const {
 
 Eigen::Quaterniond GyroscopePath::turned(const types::ImuSample& before,
                                          const types::ImuSample& after) const {
-    const double dt_s = 1e-9 * static_cast<double>(after.timestamp_ns - before.timestamp_ns);
+    const double dt_s = base::to_s(after.timestamp_ns - before.timestamp_ns);
     return (q_.back() *
             base::rotation_from_vector(0.5 * dt_s *
                                        (before.angular_velocity_imu + after.angular_velocity_imu)))
@@ -58,8 +59,8 @@ Eigen::Quaterniond GyroscopePath::at(std::int64_t time_ns) const {
     const std::size_t i = first_after(time_ns);
     const types::ImuSample& before = samples_[i - 1];
     const types::ImuSample& after = samples_[i];
-    const double since_s = 1e-9 * static_cast<double>(time_ns - before.timestamp_ns);
-    const double whole_s = 1e-9 * static_cast<double>(after.timestamp_ns - before.timestamp_ns);
+    const double since_s = base::to_s(time_ns - before.timestamp_ns);
+    const double whole_s = base::to_s(after.timestamp_ns - before.timestamp_ns);
     const Eigen::Vector3d rate =
         before.angular_velocity_imu +
         0.5 * since_s / whole_s * (after.angular_velocity_imu - before.angular_velocity_imu);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "worker/base/seconds.hpp"
 #include "worker/types/recording.hpp"
 
 namespace divemesh::imu {
@@ -56,7 +57,7 @@ std::optional<ImuFailure> for_each_step(const std::vector<types::ImuSample>& sam
         const std::int64_t end_ns = std::min(after->timestamp_ns, to_ns);
         visit(interpolate(before, *after, time_ns),
               interpolate(before, *after, end_ns),
-              1e-9 * static_cast<double>(end_ns - time_ns));
+              base::to_s(end_ns - time_ns));
         time_ns = end_ns;
     }
     return std::nullopt;

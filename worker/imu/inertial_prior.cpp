@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::imu {
@@ -126,7 +127,7 @@ std::optional<types::KnownRotation> InertialPrior::rotation(std::int64_t from_ns
     const auto from = absolute(from_ns);
     const auto to = absolute(to_ns);
     if (!from || !to) return std::nullopt;
-    const double duration_s = 1e-9 * static_cast<double>(to_ns - from_ns);
+    const double duration_s = base::to_s(to_ns - from_ns);
     return types::KnownRotation{
         from->conjugate() * *to,
         std::hypot(kAhrsRotationSigma_rad, kAhrsDrift_rad_per_s * duration_s)};
@@ -149,7 +150,7 @@ std::optional<double> InertialPrior::depth_m(std::int64_t time_ns) const {
 
 SensorReadings InertialPrior::readings(std::int64_t from_ns, std::int64_t to_ns) const {
     SensorReadings readings;
-    readings.interval_s = 1e-9 * static_cast<double>(to_ns - from_ns);
+    readings.interval_s = base::to_s(to_ns - from_ns);
     readings.motion = motion(from_ns, to_ns);
     if (!readings.motion) readings.rotation = integral(from_ns, to_ns);
     readings.q_ahrs_imu = absolute(to_ns);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "worker/base/seconds.hpp"
 #include "worker/imu/preintegration.hpp"
 #include "worker/stats/median.hpp"
 
@@ -18,8 +19,6 @@ constexpr std::size_t kLag = 4;  // forces: two seconds
 constexpr double kWrongForce_m_s2 = 0.3;
 // Over slower frames the bias of the gyroscope, which is not taken out, turns gravity.
 constexpr std::int64_t kMaxInterval_ns = 300'000'000;
-
-double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
 std::vector<Difference> last_forces(const std::vector<Difference>& forces) {
     const auto num = static_cast<std::ptrdiff_t>(std::min(forces.size(), kMaxForces));
@@ -44,7 +43,7 @@ void GravityByVision::add(const VisionMotion& motion) {
         return;
     }
     if (marks_.empty() || motion.from_ns != last_ns_) start(motion.from_ns);
-    lead_ += velocity_ * seconds(motion.to_ns - motion.from_ns) +
+    lead_ += velocity_ * base::to_s(motion.to_ns - motion.from_ns) +
              q_first_body_ * (by_imu->delta_position - motion.T_from_to.translation());
     velocity_ += q_first_body_ * by_imu->delta_velocity;
     q_first_body_ = (q_first_body_ * Eigen::Quaterniond(motion.T_from_to.linear())).normalized();
@@ -58,11 +57,11 @@ void GravityByVision::finish_span() {
     const Mark& a = marks_.front();
     const Mark& b = marks_[kSpansOfForce];
     const Mark& c = marks_.back();
-    const Eigen::Vector3d before = (b.lead - a.lead) / seconds(b.time_ns - a.time_ns);
-    const Eigen::Vector3d after = (c.lead - b.lead) / seconds(c.time_ns - b.time_ns);
+    const Eigen::Vector3d before = (b.lead - a.lead) / base::to_s(b.time_ns - a.time_ns);
+    const Eigen::Vector3d after = (c.lead - b.lead) / base::to_s(c.time_ns - b.time_ns);
     // Most of the weight of a second difference is in its middle half.
     const types::TimeInterval middle{(a.time_ns + b.time_ns) / 2, (b.time_ns + c.time_ns) / 2};
-    runs_.back().push_back({middle, 2.0 * (after - before) / seconds(c.time_ns - a.time_ns)});
+    runs_.back().push_back({middle, 2.0 * (after - before) / base::to_s(c.time_ns - a.time_ns)});
     marks_.erase(marks_.begin());
 }
 

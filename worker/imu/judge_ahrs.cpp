@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 
 namespace divemesh::imu {
 namespace {
@@ -28,7 +29,7 @@ std::vector<types::ImuSample> rates_of(const Orientations& orientations) {
         if (interval_ns <= 0 || interval_ns > kMaxGap_ns) continue;
         const Eigen::Vector3d rate =
             base::vector_from_rotation(before.q_world_imu.conjugate() * after.q_world_imu) /
-            (1e-9 * static_cast<double>(interval_ns));
+            base::to_s(interval_ns);
         const std::int64_t num = 1 + interval_ns / kStep_ns;
         for (std::int64_t k = 0; k < num; ++k)
             samples.push_back({before.timestamp_ns + (2 * k + 1) * interval_ns / (2 * num),

@@ -9,6 +9,7 @@
 
 #include "worker/base/angle.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/imu/gyroscope_path.hpp"
 #include "worker/stats/median.hpp"
 
@@ -44,15 +45,14 @@ struct Rates {
 std::optional<Rates> rates_at(const GyroscopePath& path,
                               const std::vector<RotationSpan>& spans,
                               double offset_s) {
-    const std::int64_t shift_ns = std::llround(1e9 * offset_s);
+    const std::int64_t shift_ns = base::to_ns(offset_s);
     Rates rates;
     for (const RotationSpan& span : spans) {
         const std::int64_t from_ns = span.from_ns + shift_ns;
         const std::int64_t to_ns = span.to_ns + shift_ns;
         if (!path.covers(from_ns, to_ns)) continue;
         rates.vision.push_back(span.rate_body);
-        rates.gyroscope.push_back(path.rotation(from_ns, to_ns) /
-                                  (1e-9 * static_cast<double>(to_ns - from_ns)));
+        rates.gyroscope.push_back(path.rotation(from_ns, to_ns) / base::to_s(to_ns - from_ns));
     }
     const auto num_covered = static_cast<double>(rates.vision.size());
     if (num_covered < static_cast<double>(kMinSpans) ||
@@ -261,7 +261,7 @@ void RotationSpans::add(const VisionRotation& rotation) {
     spans_.push_back({open_.from_ns,
                       open_.to_ns,
                       base::vector_from_rotation(open_.q_from_to.normalized()) /
-                          (1e-9 * static_cast<double>(open_.to_ns - open_.from_ns))});
+                          base::to_s(open_.to_ns - open_.from_ns)});
     open_ = {};
 }
 
@@ -271,7 +271,7 @@ GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
     if (spans.size() < kMinSpans) return judgement;
     const std::vector<RotationSpan> last(
         spans.end() - static_cast<std::ptrdiff_t>(std::min(spans.size(), kMaxSpans)), spans.end());
-    const std::int64_t reach_ns = std::llround(1e9 * (kMaxOffset_s + kStep_s));
+    const std::int64_t reach_ns = base::to_ns(kMaxOffset_s + kStep_s);
     const GyroscopePath path(
         samples, last.front().from_ns - reach_ns, last.back().to_ns + reach_ns);
     const Eigen::Matrix3d as_mounted = Eigen::Matrix3d::Identity();
@@ -302,7 +302,7 @@ GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
 std::vector<types::TimeInterval> wrong_times(const std::vector<types::ImuSample>& samples,
                                              const std::vector<RotationSpan>& spans) {
     if (spans.empty()) return {};
-    const std::int64_t reach_ns = std::llround(1e9 * (kNearOffset_s + kStep_s));
+    const std::int64_t reach_ns = base::to_ns(kNearOffset_s + kStep_s);
     const GyroscopePath path(
         samples, spans.front().from_ns - reach_ns, spans.back().to_ns + reach_ns);
     const auto fit = best_fit(path, spans, {}, Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
@@ -313,8 +313,7 @@ std::vector<types::TimeInterval> wrong_times(const std::vector<types::ImuSample>
         const std::int64_t from_ns = span.from_ns + shift_ns;
         const std::int64_t to_ns = span.to_ns + shift_ns;
         if (!path.covers(from_ns, to_ns)) continue;
-        const Eigen::Vector3d rate =
-            path.rotation(from_ns, to_ns) / (1e-9 * static_cast<double>(to_ns - from_ns));
+        const Eigen::Vector3d rate = path.rotation(from_ns, to_ns) / base::to_s(to_ns - from_ns);
         differences.push_back({{span.from_ns, span.to_ns}, span.rate_body - fit->mounting * rate});
     }
     return wrong_times(differences, kWrongRate_rad_s);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 
 namespace divemesh::imu {
 namespace {
@@ -119,7 +120,7 @@ std::variant<PreintegratedImu, ImuFailure> preintegrate(
                      sum);
         });
     if (failure) return *failure;
-    sum.rotation.duration_s = 1e-9 * static_cast<double>(to_ns - from_ns);
+    sum.rotation.duration_s = base::to_s(to_ns - from_ns);
     sum.rotation.sigma_rad = noise.gyroscope_noise_density * std::sqrt(sum.rotation.duration_s);
     return sum;
 }

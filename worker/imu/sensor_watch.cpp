@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/base/seconds.hpp"
 #include "worker/imu/usable_samples.hpp"
 
 namespace divemesh::imu {
@@ -170,7 +171,7 @@ std::optional<SensorPlan> SensorWatch::restart_at_end() const {
     if (times.empty() && plan.left_out.ahrs == plan_.left_out.ahrs && ahrs.wrong_times.empty())
         return std::nullopt;
     if (!contradicted_.empty()) plan.gyroscope = first_contradiction_;
-    const std::int64_t shift_ns = std::llround(1e9 * plan_.time_offset_s);
+    const std::int64_t shift_ns = base::to_ns(plan_.time_offset_s);
     for (types::TimeInterval& time : times) {
         time.from_ns += shift_ns;
         time.to_ns += shift_ns;

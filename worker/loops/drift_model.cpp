@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "worker/base/seconds.hpp"
+
 namespace divemesh::loops {
 namespace {
 
@@ -24,8 +26,6 @@ constexpr double kRotationDrift_rad_per_m = 0.002;
 constexpr double kGapRotationRate_rad_s = 0.05;
 constexpr double kNumSigmas = 3.5;
 constexpr int kMinSharedLandmarks = 6;  // landmarks that connect a keyframe to earlier ones
-
-double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
 double distance_m(const types::Keyframe& a, const types::Keyframe& b) {
     return (a.T_world_cam.translation() - b.T_world_cam.translation()).norm();
@@ -69,7 +69,8 @@ DriftModel::DriftModel(const std::vector<types::Keyframe>& keyframes,
         tracking_gaps_[k].position_m += added.position_m;
         tracking_gaps_[k].rotation_rad += added.rotation_rad;
         ++segment_[k];
-        follows_[k] = seconds(to_ns - from_ns) <= kBridged_s || added.position_m <= kBridgedSigma_m;
+        follows_[k] =
+            base::to_s(to_ns - from_ns) <= kBridged_s || added.position_m <= kBridgedSigma_m;
     }
     for (std::size_t k = keyframes.size(); k-- > 0;)
         first_covisible_[k] = first_covisible_[first_covisible_[k]];
@@ -78,7 +79,7 @@ DriftModel::DriftModel(const std::vector<types::Keyframe>& keyframes,
 DriftModel::TrackingGap DriftModel::tracking_gap(const imu::InertialPrior* inertial,
                                                  std::int64_t from_ns,
                                                  std::int64_t to_ns) {
-    const double t_s = seconds(to_ns - from_ns);
+    const double t_s = base::to_s(to_ns - from_ns);
     TrackingGap result{kGapSpeed_m_s * t_s, kGapRotationRate_rad_s * t_s};
     if (!inertial) return result;
     if (const auto rotation = inertial->integral(from_ns, to_ns))

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 
 namespace divemesh::odometry {
 namespace {
@@ -12,8 +13,6 @@ constexpr double kMaxExtrapolation_s = 0.5;
 // After this time without vision the error of a cheap IMU (0.1 m/s^2 with a bias that is hardly
 // known) is as large as what a camera sees.
 constexpr double kMaxCarried_s = 2.0;
-
-double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
 
 }  // namespace
 
@@ -25,7 +24,7 @@ void MotionModel::start(std::int64_t timestamp_ns, const Eigen::Isometry3d& T_wo
 }
 
 bool MotionModel::is_lost(std::int64_t timestamp_ns) const {
-    return seen_ns_ < timestamp_ns_ && seconds(timestamp_ns - seen_ns_) > kMaxCarried_s;
+    return seen_ns_ < timestamp_ns_ && base::to_s(timestamp_ns - seen_ns_) > kMaxCarried_s;
 }
 
 std::optional<types::KnownRotation> MotionModel::rotation(std::int64_t timestamp_ns) const {
@@ -45,7 +44,8 @@ Eigen::Isometry3d MotionModel::predict(const std::optional<types::KnownRotation>
     if (inertial_state_ && !lost)
         if (const auto motion = inertial_.motion(timestamp_ns_, timestamp_ns))
             return predict_by_imu(*motion).inverse();
-    const double interval_s = std::min(seconds(timestamp_ns - timestamp_ns_), kMaxExtrapolation_s);
+    const double interval_s =
+        std::min(base::to_s(timestamp_ns - timestamp_ns_), kMaxExtrapolation_s);
     Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
     T_previous_current.linear() =
         (rotation ? rotation->q.conjugate()
@@ -58,7 +58,7 @@ Eigen::Isometry3d MotionModel::predict(const std::optional<types::KnownRotation>
 bool MotionModel::predicts_reliably(std::int64_t timestamp_ns) const {
     if (inertial_state_ && !is_lost(timestamp_ns) && inertial_.motion(timestamp_ns_, timestamp_ns))
         return true;
-    return seconds(timestamp_ns - timestamp_ns_) <= kMaxExtrapolation_s;
+    return base::to_s(timestamp_ns - timestamp_ns_) <= kMaxExtrapolation_s;
 }
 
 Eigen::Isometry3d MotionModel::predict_by_imu(const imu::PreintegratedImu& motion) const {
@@ -82,7 +82,7 @@ void MotionModel::rest() {
 
 void MotionModel::advance(const Eigen::Isometry3d& T_current_previous, std::int64_t timestamp_ns) {
     const Eigen::Isometry3d T_previous_current = T_current_previous.inverse();
-    const double interval_s = std::max(seconds(timestamp_ns - timestamp_ns_), 1e-6);
+    const double interval_s = std::max(base::to_s(timestamp_ns - timestamp_ns_), 1e-6);
     if (is_lost(timestamp_ns)) inertial_state_.reset();
     if (inertial_state_) {
         const auto motion = inertial_.motion(timestamp_ns_, timestamp_ns);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/base/seconds.hpp"
+
 namespace divemesh::optimisation {
 namespace {
 
@@ -14,8 +16,6 @@ constexpr double kAhrsTimeConstant_s = 30.0;
 constexpr double kPressureSigma_m = 0.02;     // including the waves above
 constexpr double kInitialGravitySigma = 0.2;  // of the vertical, if the pressure is its only sensor
 
-double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
-
 // Sets velocities by central differences of the positions.
 void set_velocities(const std::vector<types::Keyframe>& keyframes, std::vector<BodyState>& states) {
     for (std::size_t k = 0; k < states.size(); ++k) {
@@ -24,7 +24,7 @@ void set_velocities(const std::vector<types::Keyframe>& keyframes, std::vector<B
         if (before == after) continue;
         states[k].velocity_world =
             (states[after].p_world_imu - states[before].p_world_imu) /
-            seconds(keyframes[after].timestamp_ns - keyframes[before].timestamp_ns);
+            base::to_s(keyframes[after].timestamp_ns - keyframes[before].timestamp_ns);
     }
 }
 

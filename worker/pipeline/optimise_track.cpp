@@ -1,5 +1,6 @@
 #include "worker/pipeline/optimise_track.hpp"
 
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -78,7 +79,8 @@ private:
     const base::ProgressCallback& progress_;
     imu::InertialPrior inertial_;
     loops::DriftModel drift_;
-    std::vector<loops::Loop> loops_;  // the accepted ones
+    std::vector<loops::Loop> loops_;                  // the accepted ones
+    std::optional<types::SolverOutcome> pose_graph_;  // the last one that closed them
     calibration::CalibrationRefinement refinement_;
     types::OptimisedTrack result_;
 };
@@ -106,14 +108,12 @@ types::Track TrackOptimiser::closed_track() {
         loops::close_loops(closed.rig, loops_, drift_, closed.keyframes, closed.landmarks);
     if (!outcome) return closed;
     result_.statistics.pose_graph.add(*outcome);
+    pose_graph_ = *outcome;
     // Neither the reprojection error nor the distance moved is checked here: the bundle adjustment
     // moves landmarks and keyframes again, and adjust() checks both then.
     const types::TrackCheck check{agreement(track_, track_, 1, drift_),
                                   agreement(closed, track_, 1, drift_)};
-    if (!outcome->failed() && !contradicts_odometry(check)) {
-        add(solver_findings(*outcome, "loops_not_converged", "the pose graph of the loops"));
-        return closed;
-    }
+    if (!outcome->failed() && !contradicts_odometry(check)) return closed;
     drop_loops(outcome->failed() ? "their pose graph failed: " + outcome->message
                                  : "with them the path contradicts the motion from frame to frame");
     return closed_track();
@@ -128,6 +128,7 @@ void TrackOptimiser::drop_loops(const std::string& why) {
              " places that looked like ones seen before were left out: " + why,
          "the drift is unchecked now: place markers on the next dive, or check the calibration"});
     loops_.clear();
+    pose_graph_.reset();
     result_.statistics.loops.num_accepted = 0;
     result_.statistics.loops.largest_correction_m = 0.0;
 }
@@ -214,6 +215,8 @@ void TrackOptimiser::leave_as_tracked() {
 
 void TrackOptimiser::take(types::Track& closed,
                           const optimisation::GlobalBundleAdjustment& adjusted) {
+    if (pose_graph_)
+        add(solver_findings(*pose_graph_, "loops_not_converged", "the pose graph of the loops"));
     result_.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
     loops::separate_segments(kReach * track_.statistics.median_depth_m, closed.keyframes);
     result_.trajectory = optimisation::follow_keyframes(

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "worker/base/parallel.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/camera/synchronise_pair.hpp"
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/odometry/frame_features.hpp"
@@ -24,7 +25,7 @@ int steps_of(const types::Recording& recording) {
     const auto first = recording.frame(0);
     const auto last = recording.frame(recording.num_frames() - 1);
     if (!first || !last) return 1;
-    const double duration_s = 1e-9 * static_cast<double>(last->timestamp_ns - first->timestamp_ns);
+    const double duration_s = base::to_s(last->timestamp_ns - first->timestamp_ns);
     const double rate = (recording.num_frames() - 1) / std::max(1e-3, duration_s);
     return std::clamp(static_cast<int>(std::lround(kDuration_s * rate)), 1, kMaxSteps);
 }
@@ -98,7 +99,7 @@ calibration::RangeWindow track_window(const types::Recording& recording,
         const auto frame = recording.frame(first_frame + i);
         if (!frame) return {};
         const types::RectifiedFrame rectified = rectifier.rectify(*frame);
-        const double interval_s = 1e-9 * static_cast<double>(frame->timestamp_ns - before_ns);
+        const double interval_s = base::to_s(frame->timestamp_ns - before_ns);
         if (i == 0)
             features.start(rectified, exposure_motion_at(recording, rectifier, first_frame));
         else if (!features.step(rectified, recording.rig().right_delay_s / interval_s))
@@ -121,7 +122,7 @@ std::optional<types::ExposureMotion> exposure_motion_at(const types::Recording& 
     WindowFeatures features(rectifier.rig());
     features.start(rectifier.rectify(*frame), std::nullopt);
     if (!features.step(rectifier.rectify(*next), 0.0)) return std::nullopt;
-    const double interval_s = 1e-9 * static_cast<double>(next->timestamp_ns - frame->timestamp_ns);
+    const double interval_s = base::to_s(next->timestamp_ns - frame->timestamp_ns);
     return features.moved_by(delay_s / interval_s);
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 
 namespace divemesh::pipeline {
@@ -57,8 +58,7 @@ Finding imu_left_out(const imu::GyroscopeJudgement& judgement) {
 
 double duration_s(const std::vector<types::TimeInterval>& times) {
     double sum_s = 0.0;
-    for (const types::TimeInterval& time : times)
-        sum_s += 1e-9 * static_cast<double>(time.to_ns - time.from_ns);
+    for (const types::TimeInterval& time : times) sum_s += base::to_s(time.to_ns - time.from_ns);
     return sum_s;
 }
 

@@ -3,13 +3,15 @@
 #include <ctime>
 #include <utility>
 
+#include "worker/base/seconds.hpp"
+
 namespace divemesh::pipeline {
 namespace {
 
 double clock_s(clockid_t clock) {
     timespec now{};
     clock_gettime(clock, &now);
-    return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+    return static_cast<double>(now.tv_sec) + base::to_s(now.tv_nsec);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 #include "worker/pipeline/measured_poses.hpp"
 #include "worker/stats/median.hpp"
@@ -29,8 +30,6 @@ constexpr double kSmallOverlap = 0.6;
 constexpr int kGridSize = 12;
 constexpr double kPausePeriods = 5.0;
 
-double seconds(std::int64_t interval_ns) { return 1e-9 * static_cast<double>(interval_ns); }
-
 // Consecutive frames whose motions from the frame before were not measured, numbered from 0 among
 // the frames that decode.
 struct Loss {
@@ -51,8 +50,9 @@ std::vector<Loss> losses_of(const types::Track& track, const std::vector<bool>& 
         Loss& loss = losses.back();
         loss.last = i;
         if (!measured[i]) ++loss.num_unmeasured;
-        loss.duration_s = seconds(track.odometry[i].timestamp_ns -
-                                  track.odometry[loss.first > 0 ? loss.first - 1 : 0].timestamp_ns);
+        loss.duration_s =
+            base::to_s(track.odometry[i].timestamp_ns -
+                       track.odometry[loss.first > 0 ? loss.first - 1 : 0].timestamp_ns);
     }
     return losses;
 }
@@ -61,7 +61,7 @@ double median_period_s(const types::Track& track) {
     std::vector<double> periods_s;
     for (std::size_t i = 1; i < track.odometry.size(); ++i)
         periods_s.push_back(
-            seconds(track.odometry[i].timestamp_ns - track.odometry[i - 1].timestamp_ns));
+            base::to_s(track.odometry[i].timestamp_ns - track.odometry[i - 1].timestamp_ns));
     return stats::upper_median(std::move(periods_s));
 }
 
@@ -128,7 +128,7 @@ Cause cause_of(const types::Track& track, const Loss& loss) {
                 "calibration (divemesh validate DIVE)"};
     const std::size_t next = std::max<std::size_t>(loss.first, 1);
     const double interval_s =
-        seconds(track.odometry[next].timestamp_ns - track.odometry[next - 1].timestamp_ns);
+        base::to_s(track.odometry[next].timestamp_ns - track.odometry[next - 1].timestamp_ns);
     if (loss.first == loss.last && interval_s > kPausePeriods * median_period_s(track))
         return {"no image was recorded for " + base::fixed(interval_s, 1) + " s",
                 "record without pauses, or come back to a place that was already recorded"};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "worker/base/seconds.hpp"
 #include "worker/camera/synchronise_pair.hpp"
 #include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/motion_by_vision.hpp"
@@ -42,7 +43,7 @@ types::RectifiedFrame WindowTracker::synchronised(const types::RectifiedFrame& f
                                                   const PredictedMotion& prediction) const {
     const std::int64_t interval_ns = frame.timestamp_ns - state_.motion.timestamp_ns();
     if (!prediction.reliable || interval_ns <= 0) return frame;
-    const double share = right_delay_s_ / (1e-9 * static_cast<double>(interval_ns));
+    const double share = right_delay_s_ / (base::to_s(interval_ns));
     return camera::synchronise_pair(
         frame,
         motion_between_exposures(

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 #include <string>
 
+#include "worker/base/seconds.hpp"
+
 namespace divemesh::report {
 namespace {
 
@@ -46,7 +48,7 @@ Plot view(const std::string& title, const Paths& paths, int x_axis, int y_axis) 
 }
 
 double seconds_since(std::int64_t start_ns, std::int64_t time_ns) {
-    return static_cast<double>(time_ns - start_ns) * 1e-9;
+    return base::to_s(time_ns - start_ns);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "worker/base/angle.hpp"
 #include "worker/base/hashed_random.hpp"
+#include "worker/base/seconds.hpp"
 
 namespace divemesh::simulator {
 namespace {
@@ -14,10 +15,10 @@ namespace {
 template <typename Visit>
 void for_each_sample(double rate_hz, double duration_s, const Visit& visit) {
     const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 / rate_hz));
-    const auto margin_ns = static_cast<std::int64_t>(std::llround(kSensorMargin_s * 1e9));
-    const auto end_ns = static_cast<std::int64_t>(std::llround(duration_s * 1e9)) + margin_ns;
+    const auto margin_ns = base::to_ns(kSensorMargin_s);
+    const auto end_ns = base::to_ns(duration_s) + margin_ns;
     for (std::int64_t t_ns = -margin_ns; t_ns < end_ns + period_ns; t_ns += period_ns)
-        visit(static_cast<double>(t_ns) * 1e-9, kFirstFrame_ns + t_ns);
+        visit(base::to_s(t_ns), kFirstFrame_ns + t_ns);
 }
 
 Eigen::Vector3d gaussian3(base::RandomRow& random) {

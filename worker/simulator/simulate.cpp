@@ -9,6 +9,7 @@
 #include <tbb/task_arena.h>
 
 #include "schemas/error.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/io/ply.hpp"
 #include "worker/simulator/camera_sensor.hpp"
 #include "worker/simulator/check_options.hpp"
@@ -43,8 +44,7 @@ std::vector<Exposure> plan_exposures(const SimulateOptions& options, const Diver
     std::vector<Exposure> exposures;
     for (int i = 0; i < num_pairs; ++i) {
         const std::int64_t since_ns = std::llround(i * 1e9 / options.rate_hz);
-        exposures.push_back(
-            {kFirstFrame_ns + since_ns, static_cast<double>(since_ns) * 1e-9, i % per_pass});
+        exposures.push_back({kFirstFrame_ns + since_ns, base::to_s(since_ns), i % per_pass});
     }
     return exposures;
 }

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace divemesh::dive {
+namespace divemesh::base {
 
 inline double to_s(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
@@ -12,4 +12,4 @@ inline std::int64_t to_ns(double seconds) {
     return static_cast<std::int64_t>(std::llround(seconds * 1e9));
 }
 
-}  // namespace divemesh::dive
+}  // namespace divemesh::base
