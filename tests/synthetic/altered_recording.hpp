@@ -24,6 +24,7 @@ public:
     const std::vector<types::PressureSample>& pressure() const override {
         return recording_.pressure();
     }
+    const cv::Mat& fixed_pattern() const override { return recording_.fixed_pattern(); }
     std::optional<types::StereoFrame> frame(int index) const override {
         auto frame = recording_.frame(index);
         if (frame) alter_(*frame);

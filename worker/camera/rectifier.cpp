@@ -60,7 +60,7 @@ cv::Mat remapped(const cv::Mat& image, const cv::Mat (&map)[2]) {
 
 }  // namespace
 
-Rectifier::Rectifier(const types::Rig& rig) {
+Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern) {
     const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
     if (T_cam0_cam1.translation().x() <= 0.0)
         throw Error(ErrorCode::BadData,
@@ -100,6 +100,8 @@ Rectifier::Rectifier(const types::Rig& rig) {
     rig_.T_imu_cam.linear() = rig.T_imu_cam0.linear() * left.R_camera_rectified;
     make_map(left, rig_, left_map_);
     make_map(right, rig_, right_map_);
+    if (!fixed_pattern.empty())
+        cv::remap(fixed_pattern, fixed_pattern_, left_map_[0], left_map_[1], cv::INTER_NEAREST);
 }
 
 types::RectifiedFrame Rectifier::rectify(const types::StereoFrame& frame) const {
@@ -108,6 +110,7 @@ types::RectifiedFrame Rectifier::rectify(const types::StereoFrame& frame) const 
     result.timestamp_ns = frame.timestamp_ns;
     result.left = rectify_left(frame.left);
     result.right = remapped(frame.right, right_map_);
+    result.fixed_pattern = fixed_pattern_;
     return result;
 }
 

@@ -11,10 +11,11 @@ namespace divemesh::camera {
 
 // The rectification of a pair: undistorts both images and rotates them into one plane (Bouguet's
 // method, as OpenCV's stereoRectify). The constructor throws Error{BadData} if the right camera is
-// not on the right or the fields of view hardly overlap. Thread-safe after construction.
+// not on the right or the fields of view hardly overlap. Each frame gets `fixed_pattern`
+// (Recording::fixed_pattern()) as its rectified left image has it. Thread-safe after construction.
 class Rectifier {
 public:
-    explicit Rectifier(const types::Rig& rig);
+    explicit Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern = {});
 
     const types::RectifiedRig& rig() const { return rig_; }
     types::RectifiedFrame rectify(const types::StereoFrame& frame) const;
@@ -25,6 +26,7 @@ private:
     types::RectifiedRig rig_;
     cv::Mat left_map_[2];
     cv::Mat right_map_[2];
+    cv::Mat fixed_pattern_;
 };
 
 }  // namespace divemesh::camera

@@ -9,8 +9,43 @@ constexpr int kMinImages = 6;
 constexpr double kStill = 4.0;           // grey values; standard deviation over time
 constexpr double kEdge = 8.0;            // grey values a px
 constexpr double kMinEdgeShare = 0.003;  // of the image; moving scenes have up to 0.0009
-constexpr double kMaxStillShare = 0.5;   // of the image; the rig stands still
+constexpr double kMaxStillShare = 0.5;   // of what is not black; the rig stands still
 constexpr int kReach_px = 25;            // letters that change stand this near to fixed edges
+constexpr double kMaxBlack = 16.0;       // grey value of the surroundings of a round image
+constexpr int kMinSurroundings_px = 15;  // width; narrower ones are shadows and letters
+constexpr int kBlur_px = 4;              // of the border by the lens
+constexpr int kRim_px = 8;               // half a patch, and the blur
+
+cv::Mat rectangle(int width_px, int height_px) {
+    return cv::getStructuringElement(cv::MORPH_RECT, {width_px, height_px});
+}
+
+cv::Mat grown(const cv::Mat& mask, int reach_px) {
+    cv::Mat result;
+    cv::dilate(mask, result, rectangle(2 * reach_px + 1, 2 * reach_px + 1));
+    return result;
+}
+
+// Returns where black areas stay black that are larger than shadows.
+cv::Mat black_surroundings(const cv::Mat& mean, const cv::Mat& is_still) {
+    const cv::Mat is_black = is_still & (mean < kMaxBlack);
+    cv::Mat surroundings;
+    cv::morphologyEx(is_black,
+                     surroundings,
+                     cv::MORPH_OPEN,
+                     rectangle(kMinSurroundings_px, kMinSurroundings_px));
+    return surroundings;
+}
+
+cv::Mat slope_of(const cv::Mat& mean) {
+    cv::Mat x;
+    cv::Mat y;
+    cv::Sobel(mean, x, CV_32F, 1, 0, 3, 0.125);
+    cv::Sobel(mean, y, CV_32F, 0, 1, 3, 0.125);
+    cv::Mat slope;
+    cv::magnitude(x, y, slope);
+    return slope;
+}
 
 }  // namespace
 
@@ -25,25 +60,31 @@ void FixedPattern::add(const cv::Mat& image) {
     sum_of_squares_ += values.mul(values);
 }
 
-cv::Mat FixedPattern::mask() const {
+cv::Mat FixedPattern::Masks::all() const {
+    if (overlay.empty() || border.empty()) return overlay.empty() ? border : overlay;
+    return overlay | border;
+}
+
+FixedPattern::Masks FixedPattern::masks() const {
     if (num_images_ < kMinImages) return {};
     const cv::Mat mean = sum_ / num_images_;
     const cv::Mat variance = sum_of_squares_ / num_images_ - mean.mul(mean);
     const cv::Mat is_still = variance < kStill * kStill;
-    const auto num_pixels = static_cast<double>(mean.total());
-    if (cv::countNonZero(is_still) > kMaxStillShare * num_pixels) return {};
-    cv::Mat x;
-    cv::Mat y;
-    cv::Mat slope;
-    cv::Sobel(mean, x, CV_32F, 1, 0, 3, 0.125);
-    cv::Sobel(mean, y, CV_32F, 0, 1, 3, 0.125);
-    cv::magnitude(x, y, slope);
-    const cv::Mat is_fixed = is_still & (slope > kEdge);
-    if (cv::countNonZero(is_fixed) < kMinEdgeShare * num_pixels) return {};
-    cv::Mat mask;
-    cv::dilate(
-        is_fixed, mask, cv::getStructuringElement(cv::MORPH_RECT, {2 * kReach_px + 1, kReach_px}));
-    return mask;
+    const cv::Mat surroundings = black_surroundings(mean, is_still);
+    const cv::Mat is_inside = ~grown(surroundings, kRim_px);
+    if (cv::countNonZero(is_still & is_inside) > kMaxStillShare * cv::countNonZero(is_inside))
+        return {};
+    const cv::Mat is_fixed = is_still & (slope_of(mean) > kEdge);
+    // Between black and the scene; letters on black have black on both sides.
+    const cv::Mat is_border = is_fixed & grown(surroundings, kBlur_px) & grown(~is_still, kBlur_px);
+    const auto is_enough = [&](const cv::Mat& edges) {
+        return cv::countNonZero(edges) >= kMinEdgeShare * static_cast<double>(mean.total());
+    };
+    Masks masks;
+    if (const cv::Mat edges = is_fixed & ~is_border; is_enough(edges))
+        cv::dilate(edges, masks.overlay, rectangle(2 * kReach_px + 1, kReach_px));
+    if (is_enough(is_border)) masks.border = grown(surroundings, kRim_px);
+    return masks;
 }
 
 }  // namespace divemesh::dive

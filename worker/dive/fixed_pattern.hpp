@@ -5,15 +5,24 @@
 namespace divemesh::dive {
 
 // Finds what stays in place in the images of a dive while the scene moves on: an overlay that the
-// camera burnt in, such as time and depth, or a part of the rig in view. It is where edges of the
-// mean image hardly change from frame to frame.
+// camera burnt in, such as time and depth, a part of the rig in view, or the border between a round
+// image and the black around it. It is where edges of the mean image hardly change from frame to
+// frame.
 class FixedPattern {
 public:
+    // Masks (CV_8U); 255 where something stays in place. An empty one has too few such pixels.
+    struct Masks {
+        cv::Mat overlay;  // around text and parts of the rig
+        cv::Mat border;   // the black surroundings, and a rim around them
+
+        // Returns both in one mask.
+        cv::Mat all() const;
+    };
+
     void add(const cv::Mat& image);  // 8 bit grey, all of one size
 
-    // Returns a mask that is 255 around fixed edges; empty if there are too few of them, if there
-    // are too few images, or if most of the scene stands still too.
-    cv::Mat mask() const;
+    // Returns empty masks if there are too few images, or if most of the scene stands still too.
+    Masks masks() const;
 
 private:
     cv::Mat sum_;

@@ -139,18 +139,20 @@ cv::Mat check_images(int num_frames,
     report_combing(measured, findings);
     report_mosaic(measured, findings);
     report_texture(measured, share_matching, findings);
-    cv::Mat mask = measured.pattern.mask();
-    if (!mask.empty())
+    const FixedPattern::Masks fixed = measured.pattern.masks();
+    if (!fixed.overlay.empty())
         findings.warning(
             "images_fixed_pattern",
             "mav0/cam0/data",
             "a pattern around " +
-                base::fixed(100.0 * cv::countNonZero(mask) / static_cast<double>(mask.total()), 0) +
-                " % of the image stays in place while the scene moves: text that the "
-                "camera burns in, a part of the rig, or the border of a fisheye image",
-            "Switch the display of time and depth off for recordings. Keep the rig out of view; a "
-            "border does no harm.");
-    return mask;
+                base::fixed(100.0 * cv::countNonZero(fixed.overlay) /
+                                static_cast<double>(fixed.overlay.total()),
+                            0) +
+                " % of the image stays in place while the scene moves: text that the camera burns "
+                "in, or a part of the rig. Neither features nor surface are taken from there",
+            "Switch the display of time and depth off for recordings, and keep the rig out of "
+            "view.");
+    return fixed.all();
 }
 
 }  // namespace divemesh::dive

@@ -25,6 +25,7 @@ public:
     const std::vector<types::PressureSample>& pressure() const override {
         return contents_.pressure;
     }
+    const cv::Mat& fixed_pattern() const override { return contents_.fixed_pattern; }
     std::optional<types::StereoFrame> next_frame() override;
     std::optional<types::StereoFrame> frame(int index) const override;
     cv::Mat left_in_color(int frame_index) const override;

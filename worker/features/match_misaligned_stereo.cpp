@@ -29,9 +29,11 @@ std::vector<IndexPair> match_misaligned_keypoints(const DescribedPair& pair) {
 types::StereoMatches match_misaligned_stereo(const types::RectifiedFrame& frame) {
     const DescribedPair pair = describe_pair(frame);
     types::StereoMatches matches;
-    for (const auto& [left, right] : match_misaligned_keypoints(pair))
+    for (const auto& [left, right] : match_misaligned_keypoints(pair)) {
+        if (!frame.shows_scene(pair.left.full_px(left))) continue;
         if (const auto found = align_keypoint(pair.left, left, pair.right, right))
             matches.push_back({frame.index, pair.left.full_px(left), *found});
+    }
     return matches;
 }
 

@@ -38,6 +38,7 @@ double measure(const types::RectifiedFrame& frame,
                int num_disparities_px,
                EpipolarSearch& row,
                const types::Feature& feature) {
+    if (!frame.shows_scene(feature.pixel)) return 0.0;
     const auto patch = Patch::read(frame.left, feature.pixel);
     if (!patch) return 0.0;
     if (!dense_px.empty()) {  // the dense matcher decides

@@ -208,10 +208,12 @@ std::optional<FeatureTracker::Seen> FeatureTracker::track_warped(
     return seen;
 }
 
-types::Features FeatureTracker::detect(const types::Features& present) {
+types::Features FeatureTracker::detect(const types::Features& present,
+                                       const cv::Mat& fixed_pattern) {
     const cv::Mat& left = current_pyramid_[0];
     const int cell_px = wide_ ? std::max(kMinCell_px, cell_px_ * 2 / 3) : cell_px_;
-    const cv::Mat& scores = corner_scores_.of(left);
+    cv::Mat scores = corner_scores_.of(left);
+    if (!fixed_pattern.empty()) scores.setTo(0.0F, fixed_pattern);
     double best = 0.0;
     cv::minMaxLoc(scores, nullptr, &best);
     const float threshold =

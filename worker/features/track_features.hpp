@@ -49,9 +49,10 @@ public:
                               const types::Features& present);
 
     // Returns new features with new ids where the last image has none: on a grid, the best corner
-    // (Shi and Tomasi) of each cell. After track_again() the cells are smaller, as much of what a
-    // wide step finds is out of sight after the next.
-    types::Features detect(const types::Features& present);
+    // (Shi and Tomasi) of each cell, off its fixed pattern (RectifiedFrame::fixed_pattern). After
+    // track_again() the cells are smaller, as much of what a wide step finds is out of sight after
+    // the next.
+    types::Features detect(const types::Features& present, const cv::Mat& fixed_pattern = {});
 
 private:
     static constexpr int kNumLevels = 4;

@@ -60,6 +60,7 @@ void KeyframeWriter::store(Waiting& waiting, Lane& lane) const {
     }
     lane.matched.add(waiting.depth.search);
     mask_dynamic_features(waiting.seen.dynamic, waiting.seen.scene, waiting.depth);
+    if (!frame.fixed_pattern.empty()) waiting.depth.disparity_px.setTo(0.0F, frame.fixed_pattern);
     store_.write(frame.index, waiting.depth);
 }
 

@@ -89,7 +89,7 @@ void add_new_features(const types::RectifiedRig& rig,
                       int num_disparities_px,
                       features::FeatureTracker& tracker,
                       types::Features& features) {
-    types::Features fresh = tracker.detect(features);
+    types::Features fresh = tracker.detect(features, frame.fixed_pattern);
     features::match_sparse_stereo(frame, depth.disparity_px, num_disparities_px, fresh);
     features::measure_slopes(rig, frame, fresh);
     features.insert(features.end(), fresh.begin(), fresh.end());

@@ -52,7 +52,7 @@ class PairMatcher {
 public:
     PairMatcher(const types::Recording& recording, const types::Rig& rig)
         : recording_(recording),
-          rectifier_(rig),
+          rectifier_(rig, recording.fixed_pattern()),
           lenses_(camera::rectified_lenses(rig)),
           stated_rectified_(camera::Rectifier(recording.rig()).rig()),
           stated_lenses_(camera::rectified_lenses(recording.rig())) {}
@@ -131,7 +131,8 @@ void align_ranges(const types::Recording& recording,
                   int num_threads,
                   const base::ProgressCallback& progress,
                   types::RigAlignment& alignment) {
-    const camera::Rectifier rectifier(calibration::changed_rig(recording.rig(), alignment.change));
+    const camera::Rectifier rectifier(calibration::changed_rig(recording.rig(), alignment.change),
+                                      recording.fixed_pattern());
     const std::vector<int> frames = spread_frames(recording.num_frames());
     std::vector<calibration::RangeWindow> windows;
     calibration::RangeSolution ranges;

@@ -22,6 +22,7 @@ public:
     const std::vector<types::PressureSample>& pressure() const override {
         return recording_.pressure();
     }
+    const cv::Mat& fixed_pattern() const override { return recording_.fixed_pattern(); }
     std::optional<types::StereoFrame> next_frame() override { return recording_.next_frame(); }
     std::optional<types::StereoFrame> frame(int index) const override {
         return recording_.frame(index);

@@ -209,7 +209,7 @@ types::Track track_window(types::Recording& recording,
                           const ReconstructionOptions& options,
                           const keyframes::KeyframeStore& store,
                           const base::ProgressCallback& progress) {
-    const camera::Rectifier rectifier(recording.rig());
+    const camera::Rectifier rectifier(recording.rig(), recording.fixed_pattern());
     // Another attempt starts with the first frame, but what was reported is not taken back.
     double reached = 0.0;
     const auto forward_progress = [&](Progress at) {

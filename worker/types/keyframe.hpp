@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cmath>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -24,9 +25,19 @@ struct RectifiedFrame {
     std::int64_t timestamp_ns = 0;
     cv::Mat left;   // CV_8UC1
     cv::Mat right;  // CV_8UC1
+    // CV_8UC1, 255 where `left` shows a fixed pattern (Recording::fixed_pattern()) instead of the
+    // scene; empty: nowhere.
+    cv::Mat fixed_pattern = {};
     // Set if `right` was exposed later and is warped to the time of `left`.
     std::optional<ExposureMotion> between = std::nullopt;
 
+    // Returns false where the left image shows a fixed pattern.
+    bool shows_scene(const Eigen::Vector2d& pixel) const {
+        const cv::Point nearest(static_cast<int>(std::lround(pixel.x())),
+                                static_cast<int>(std::lround(pixel.y())));
+        return !cv::Rect({}, fixed_pattern.size()).contains(nearest) ||
+               fixed_pattern.at<std::uint8_t>(nearest) == 0;
+    }
     // Returns the disparity at the time of `left` of what is matched in `right`, and the inverse.
     double disparity_px(const Eigen::Vector2d& pixel, double matched_px) const {
         return between ? between->disparity_px(pixel, matched_px) : matched_px;

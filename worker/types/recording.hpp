@@ -55,6 +55,10 @@ public:
     virtual const std::vector<ImuSample>& imu() const = 0;           // ascending; empty: no IMU
     virtual const std::vector<OrientationSample>& ahrs() const = 0;  // ascending; empty: no AHRS
     virtual const std::vector<PressureSample>& pressure() const = 0;
+    // Returns a mask (CV_8UC1, as recorded): 255 where left images show something that stays in
+    // place while the scene moves, such as text, a part of the rig or the border of a round image.
+    // Empty: nothing does.
+    virtual const cv::Mat& fixed_pattern() const = 0;
 
     // Returns the next pair that decodes; nullopt at the end. Frames that do not decode are
     // skipped, counted and reported as a finding. Not thread-safe.

@@ -183,13 +183,33 @@ TEST(ImageChecksTest, TextThatTheCameraBurnsInIsMasked) {
         pattern.add(image);
     }
 
-    const cv::Mat mask = pattern.mask();
+    const cv::Mat mask = pattern.masks().overlay;
 
     ASSERT_FALSE(mask.empty());
     EXPECT_EQ(mask.at<unsigned char>(22, 100), 255);
     EXPECT_EQ(mask.at<unsigned char>(300, 320), 0);
-    EXPECT_TRUE(without.mask().empty());
-    EXPECT_TRUE(still.mask().empty());
+    EXPECT_TRUE(without.masks().all().empty());
+    EXPECT_TRUE(still.masks().all().empty());
+}
+
+// A small part of the image shows the scene; nine tenths are black and never change.
+TEST(ImageChecksTest, TheBorderOfAPictureOnBlackIsMaskedAndIsNoOverlay) {
+    const cv::Rect picture(240, 160, 200, 150);
+    FixedPattern pattern;
+    for (int frame = 0; frame < kNumFrames; ++frame) {
+        cv::Mat image = cv::Mat::zeros(480, 640, CV_8U);
+        scene(frame)(picture).copyTo(image(picture));
+        pattern.add(image);
+    }
+
+    const FixedPattern::Masks masks = pattern.masks();
+
+    EXPECT_TRUE(masks.overlay.empty());
+    ASSERT_FALSE(masks.border.empty());
+    cv::Mat scene_part = cv::Mat::zeros(480, 640, CV_8U);
+    scene_part(cv::Rect(picture.x + 8, picture.y + 8, picture.width - 16, picture.height - 16)) =
+        255;
+    EXPECT_EQ(cv::countNonZero((masks.border == 255) != (scene_part == 0)), 0);
 }
 
 }  // namespace

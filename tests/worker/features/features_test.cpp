@@ -68,6 +68,41 @@ TEST(FeatureTrackerTest, FollowsFeaturesUnderChangingLight) {
     }
 }
 
+// Returns a mask of the left half of a small image.
+cv::Mat left_half() {
+    cv::Mat mask = cv::Mat::zeros(240, 320, CV_8U);
+    mask.colRange(0, 160) = 255;
+    return mask;
+}
+
+TEST(FeatureTrackerTest, AFixedPatternGivesNoNewFeatures) {
+    FeatureTracker tracker(small_rig(), kNumFeatures);
+    tracker.track(synthetic::textured_image(0.0, 0.0), {}, Eigen::Isometry3d::Identity());
+
+    const types::Features features = tracker.detect({}, left_half());
+
+    EXPECT_GE(features.size(), 40U);
+    for (const types::Feature& feature : features) EXPECT_GE(feature.pixel.x(), 160.0);
+}
+
+TEST(MatchFeaturesTest, AFixedPatternHasNoDepth) {
+    types::RectifiedFrame frame;
+    frame.left = synthetic::textured_image(0.0, 0.0);
+    frame.right = synthetic::textured_image(-23.4, 0.0);
+    frame.fixed_pattern = left_half();
+    types::Features features;
+    for (int i = 0; i < 8; ++i) features.push_back({i, {60.0 + 30.0 * i, 120.0}, 0.0});
+
+    match_sparse_stereo(frame, {}, 64, features);
+
+    int num_found = 0;
+    for (const types::Feature& feature : features) {
+        if (feature.pixel.x() < 160.0) EXPECT_FALSE(types::has_depth(feature));
+        num_found += static_cast<int>(types::has_depth(feature));
+    }
+    EXPECT_GE(num_found, 2);
+}
+
 TEST(FeatureTrackerTest, ADarkImageGivesNoFeatures) {
     FeatureTracker tracker(small_rig(), kNumFeatures);
     const cv::Mat black(240, 320, CV_8U, cv::Scalar(0));
