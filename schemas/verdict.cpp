@@ -31,6 +31,7 @@ constexpr Row kRows[] = {
     {"adjustment_not_taken",        "path"},
     {"gyro_vision_mismatch",        "path"},
     {"stereo_mismatch",             "scale"},
+    {"calibration_medium",          "scale"},
     {"scale_untested",              "scale"},
     {"scale_contradicted",          "scale"},
     {"scale_off",                   "scale"},

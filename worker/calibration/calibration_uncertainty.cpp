@@ -22,6 +22,8 @@ constexpr double kTypicalDisparity_px = 20.0;
 // The typical error of a distortion, as a share of its prior: that is wide enough to find one that
 // is far off.
 constexpr double kTypicalDistortion = 0.33;
+// Of the scale behind a flat port that no calibration in water has measured.
+constexpr double kMediumSigma = 0.01;
 constexpr double kBiasSigmas = 2.0;  // ranges are not independent of each other
 using Shift = Eigen::Matrix<double, 3, kSize>;
 using LensShift = Eigen::Matrix<double, 2, types::LensChange::kSize>;
@@ -178,7 +180,8 @@ optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& r
     for (const int axis : {0, 2})
         result.covariance(kStereo + axis, kStereo + axis) = rotation_sigma * rotation_sigma;
     result.covariance(kBaseline, kBaseline) =
-        std::pow(kBaselineSigma, 2) + std::pow(rig.right_delay_baseline_sigma, 2);
+        std::pow(kBaselineSigma, 2) + std::pow(rig.right_delay_baseline_sigma, 2) +
+        (alignment.change.medium.is_none() ? 0.0 : std::pow(kMediumSigma, 2));
     result.covariance.block<3, 3>(kImu, kImu) = of_imu_rotation(rig, refined.calibration);
     if (rig.imu_noise)
         result.covariance.block<3, 3>(kLeverArm, kLeverArm)

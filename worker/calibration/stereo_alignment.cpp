@@ -178,6 +178,16 @@ void add_ranges(const types::Rig& rig,
     alignment.outcome = types::RigAlignment::Outcome::Moved;
 }
 
+types::Rig rig_in_medium(const types::Rig& rig, const types::MediumChange& medium) {
+    types::Rig result = rig;
+    for (types::Camera* camera : {&result.cam0, &result.cam1}) {
+        camera->fx_px *= medium.focal_scale;
+        camera->fy_px *= medium.focal_scale;
+        camera->refractive_index *= medium.refractive_index;
+    }
+    return result;
+}
+
 types::Rig changed_rig(const types::Rig& rig, const types::RigChange& change) {
     const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
     const Eigen::Matrix3d R_cam0_rectified = camera::rectified_lenses(rig)[0].R_camera_rectified;
@@ -188,7 +198,7 @@ types::Rig changed_rig(const types::Rig& rig, const types::RigChange& change) {
                             base::rotation_from_vector(change.values.head<3>()).toRotationMatrix();
     T_cam0_moved.translation() =
         T_cam0_cam1.translation().norm() * (R_cam0_rectified * direction.normalized());
-    types::Rig result = rig;
+    types::Rig result = rig_in_medium(rig, change.medium);
     result.T_imu_cam1 = rig.T_imu_cam0 * T_cam0_moved;
     result.cam1.fx_px *= 1.0 + change.values[Change::kFocal];
     result.cam1.fy_px *= 1.0 + change.values[Change::kFocal];

@@ -29,7 +29,11 @@ void add_ranges(const types::Rig& rig,
                 const RangeSolution& ranges,
                 types::RigAlignment& alignment);
 
-// Returns the rig with the right camera moved; the left one stays where it is on the body.
+// Returns the rig with both cameras in another medium than that of the calibration.
+types::Rig rig_in_medium(const types::Rig& rig, const types::MediumChange& medium);
+
+// Returns the rig in the medium of the dive and with the right camera moved; the left one stays
+// where it is on the body.
 types::Rig changed_rig(const types::Rig& rig, const types::RigChange& change);
 
 }  // namespace divemesh::calibration

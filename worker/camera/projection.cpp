@@ -1,6 +1,7 @@
 #include "worker/camera/projection.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -30,6 +31,21 @@ Eigen::Vector2d distort(const types::Camera& camera, const Eigen::Vector2d& n) {
     return n;
 }
 
+// Returns normalised image coordinates behind a thin flat port, perpendicular to the axis, for
+// those in front of it (Snell: the sine of the angle to the axis is multiplied by the index);
+// nullopt where a ray does not pass.
+std::optional<Eigen::Vector2d> refract(double index, const Eigen::Vector2d& n) {
+    const double cosine2 = 1.0 - (index * index - 1.0) * n.squaredNorm();
+    if (cosine2 <= 0.0) return std::nullopt;
+    return index / std::sqrt(cosine2) * n;
+}
+
+// Returns the inverse of refract().
+Eigen::Vector2d refract_back(double index, const Eigen::Vector2d& n) {
+    const double index2 = index * index;
+    return n / std::sqrt(std::max(1e-12, index2 + (index2 - 1.0) * n.squaredNorm()));
+}
+
 // Returns the angle to the axis of an equidistant lens at a distance from the principal point in
 // focal lengths, by bisection: at most kMaxFisheyeAngle_rad, or the angle at which the polynomial
 // turns back, which it may beyond the image.
@@ -55,24 +71,14 @@ double angle_at(const std::array<double, 4>& k, double distance) {
     return 0.5 * (below + above);
 }
 
-}  // namespace
-
-std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen::Vector3d& p_cam) {
-    if (p_cam.z() <= 1e-6) return std::nullopt;
-    const Eigen::Vector2d d = distort(camera, p_cam.head<2>() / p_cam.z());
-    return Eigen::Vector2d(camera.fx_px * d.x() + camera.cx_px,
-                           camera.fy_px * d.y() + camera.cy_px);
-}
-
-Eigen::Vector3d unproject(const types::Camera& camera, const Eigen::Vector2d& pixel) {
+// Returns normalised image coordinates without distortion.
+Eigen::Vector2d undistort(const types::Camera& camera, const Eigen::Vector2d& pixel) {
     const Eigen::Vector2d d((pixel.x() - camera.cx_px) / camera.fx_px,
                             (pixel.y() - camera.cy_px) / camera.fy_px);
     if (camera.distortion == types::Distortion::Equidistant) {
         const double distance = d.norm();
-        if (distance < 1e-12) return {d.x(), d.y(), 1.0};
-        const double scale =
-            std::tan(angle_at(camera.distortion_coefficients, distance)) / distance;
-        return {scale * d.x(), scale * d.y(), 1.0};
+        if (distance < 1e-12) return d;
+        return std::tan(angle_at(camera.distortion_coefficients, distance)) / distance * d;
     }
     // Starts at the distorted point, then Newton with a numeric Jacobian: converges wherever the
     // model is invertible.
@@ -91,6 +97,22 @@ Eigen::Vector3d unproject(const types::Camera& camera, const Eigen::Vector2d& pi
         if (std::abs(J.determinant()) < 1e-9) break;
         n -= J.inverse() * error;
     }
+    return n;
+}
+
+}  // namespace
+
+std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen::Vector3d& p_cam) {
+    if (p_cam.z() <= 1e-6) return std::nullopt;
+    const auto n = refract(camera.refractive_index, p_cam.head<2>() / p_cam.z());
+    if (!n) return std::nullopt;
+    const Eigen::Vector2d d = distort(camera, *n);
+    return Eigen::Vector2d(camera.fx_px * d.x() + camera.cx_px,
+                           camera.fy_px * d.y() + camera.cy_px);
+}
+
+Eigen::Vector3d unproject(const types::Camera& camera, const Eigen::Vector2d& pixel) {
+    const Eigen::Vector2d n = refract_back(camera.refractive_index, undistort(camera, pixel));
     return {n.x(), n.y(), 1.0};
 }
 

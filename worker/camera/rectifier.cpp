@@ -1,6 +1,7 @@
 #include "worker/camera/rectifier.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -11,6 +12,8 @@
 namespace divemesh::camera {
 namespace {
 
+constexpr int kMinScene_px = 32;  // width and height of the part that shows the scene
+
 // The rectangle of a normalised image plane that the image covers completely.
 struct Extent {
     double left = -1e9;
@@ -19,23 +22,51 @@ struct Extent {
     double bottom = 1e9;
 };
 
+// Narrows the extent to what a part of the recorded image covers.
 void narrow(Extent& extent,
             const types::Camera& camera,
+            const cv::Rect& part,
             const Eigen::Matrix3d& R_rectified_camera) {
     const auto ray = [&](double u, double v) {
         const Eigen::Vector3d r = R_rectified_camera * unproject(camera, {u, v});
         return Eigen::Vector2d(r.head<2>() / std::max(r.z(), 1e-3));
     };
     constexpr int kSteps = 32;
-    const double width = camera.width_px - 1.0;
-    const double height = camera.height_px - 1.0;
+    const double left = part.x;
+    const double top = part.y;
+    const double right = part.x + part.width - 1.0;
+    const double bottom = part.y + part.height - 1.0;
     for (int i = 0; i <= kSteps; ++i) {
         const double share = static_cast<double>(i) / kSteps;
-        extent.left = std::max(extent.left, ray(0.0, share * height).x());
-        extent.right = std::min(extent.right, ray(width, share * height).x());
-        extent.top = std::max(extent.top, ray(share * width, 0.0).y());
-        extent.bottom = std::min(extent.bottom, ray(share * width, height).y());
+        const double u = left + share * (right - left);
+        const double v = top + share * (bottom - top);
+        extent.left = std::max(extent.left, ray(left, v).x());
+        extent.right = std::min(extent.right, ray(right, v).x());
+        extent.top = std::max(extent.top, ray(u, top).y());
+        extent.bottom = std::min(extent.bottom, ray(u, bottom).y());
     }
+}
+
+Extent extent_of(const types::Rig& rig,
+                 const cv::Rect& part,
+                 const std::array<RectifiedLens, 2>& lenses) {
+    Extent extent;
+    narrow(extent, rig.cam0, part, lenses[0].R_camera_rectified.transpose());
+    narrow(extent, rig.cam1, part, lenses[1].R_camera_rectified.transpose());
+    return extent;
+}
+
+// Returns the focal length, in px, with which an image covers the extent and no more.
+double covering_px(const Extent& extent, double width, double height) {
+    return std::max(width / (extent.right - extent.left), height / (extent.bottom - extent.top));
+}
+
+// Returns the part of recorded images that shows the scene.
+cv::Rect scene_part(const types::Camera& camera, const cv::Mat& fixed_pattern) {
+    const cv::Rect all(0, 0, camera.width_px, camera.height_px);
+    if (fixed_pattern.empty()) return all;
+    const cv::Rect part = cv::boundingRect(fixed_pattern == 0);
+    return part.width > kMinScene_px && part.height > kMinScene_px ? part : all;
 }
 
 // Fills the maps with the recorded pixel of every rectified pixel.
@@ -66,19 +97,19 @@ Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern) {
         throw Error(ErrorCode::BadData,
                     "the right camera is not to the right of the left one: check T_BS of cam0 and "
                     "cam1, or swap the two folders");
-    const auto [left, right] = rectified_lenses(rig);
-
-    Extent extent;
-    narrow(extent, rig.cam0, left.R_camera_rectified.transpose());
-    narrow(extent, rig.cam1, right.R_camera_rectified.transpose());
+    const auto lenses = rectified_lenses(rig);
+    const auto& [left, right] = lenses;
+    const Extent extent = extent_of(rig, scene_part(rig.cam0, fixed_pattern), lenses);
+    const Extent whole = extent_of(rig, scene_part(rig.cam0, {}), lenses);
     const double width = rig.cam0.width_px - 1.0;
     const double height = rig.cam0.height_px - 1.0;
-    // The widest field of view without empty borders. Of a fisheye only the middle: at half of its
-    // focal length, 72 degrees to both sides at an image width of 3.1 focal lengths.
+    // The widest field of view without empty borders, and without more pixels than were recorded
+    // where black surrounds the scene. Of a fisheye only the middle: at half of its focal length,
+    // 72 degrees to both sides at an image width of 3.1 focal lengths.
     const double native =
         0.25 * (rig.cam0.fx_px + rig.cam0.fy_px + rig.cam1.fx_px + rig.cam1.fy_px);
-    const double covering =
-        std::max(width / (extent.right - extent.left), height / (extent.bottom - extent.top));
+    const double covering = std::min(covering_px(extent, width, height),
+                                     std::max(native, covering_px(whole, width, height)));
     rig_.focal_px = std::max(covering, 0.5 * native);
     if (!std::isfinite(rig_.focal_px) || extent.right <= extent.left ||
         extent.bottom <= extent.top || rig_.focal_px > 4.0 * native)

@@ -13,6 +13,7 @@ constexpr double kMaxStillShare = 0.5;   // of what is not black; the rig stands
 constexpr int kReach_px = 25;            // letters that change stand this near to fixed edges
 constexpr double kMaxBlack = 16.0;       // grey value of the surroundings of a round image
 constexpr int kMinSurroundings_px = 15;  // width; narrower ones are shadows and letters
+constexpr double kMinSharpShare = 0.5;   // of the contour; light that fades has no edge
 constexpr int kBlur_px = 4;              // of the border by the lens
 constexpr int kRim_px = 8;               // half a patch, and the blur
 
@@ -77,13 +78,13 @@ FixedPattern::Masks FixedPattern::masks() const {
     const cv::Mat is_fixed = is_still & (slope_of(mean) > kEdge);
     // Between black and the scene; letters on black have black on both sides.
     const cv::Mat is_border = is_fixed & grown(surroundings, kBlur_px) & grown(~is_still, kBlur_px);
-    const auto is_enough = [&](const cv::Mat& edges) {
-        return cv::countNonZero(edges) >= kMinEdgeShare * static_cast<double>(mean.total());
-    };
+    const cv::Mat contour = grown(surroundings, 1) & ~surroundings;
+    const cv::Mat edges = is_fixed & ~is_border;
     Masks masks;
-    if (const cv::Mat edges = is_fixed & ~is_border; is_enough(edges))
+    if (cv::countNonZero(edges) >= kMinEdgeShare * static_cast<double>(mean.total()))
         cv::dilate(edges, masks.overlay, rectangle(2 * kReach_px + 1, kReach_px));
-    if (is_enough(is_border)) masks.border = grown(surroundings, kRim_px);
+    if (cv::countNonZero(is_border) > kMinSharpShare * cv::countNonZero(contour))
+        masks.border = grown(surroundings, kRim_px);
     return masks;
 }
 

@@ -22,12 +22,14 @@ Distortion distortion_from(const std::string& name) {
 }
 
 json camera_json(const types::Camera& camera, const Eigen::Isometry3d& T_imu_cam) {
-    return {{"image_size_px", {camera.width_px, camera.height_px}},
-            {"focal_px", {camera.fx_px, camera.fy_px}},
-            {"centre_px", {camera.cx_px, camera.cy_px}},
-            {"distortion_model", to_string(camera.distortion)},
-            {"distortion", camera.distortion_coefficients},
-            {"T_imu_cam", io::to_json(T_imu_cam)}};
+    json result = {{"image_size_px", {camera.width_px, camera.height_px}},
+                   {"focal_px", {camera.fx_px, camera.fy_px}},
+                   {"centre_px", {camera.cx_px, camera.cy_px}},
+                   {"distortion_model", to_string(camera.distortion)},
+                   {"distortion", camera.distortion_coefficients},
+                   {"T_imu_cam", io::to_json(T_imu_cam)}};
+    if (camera.refractive_index != 1.0) result["refractive_index"] = camera.refractive_index;
+    return result;
 }
 
 types::Camera camera_from(const json& entry) {
@@ -40,6 +42,7 @@ types::Camera camera_from(const json& entry) {
     camera.cy_px = entry.at("centre_px").at(1).get<double>();
     camera.distortion = distortion_from(entry.at("distortion_model").get<std::string>());
     entry.at("distortion").get_to(camera.distortion_coefficients);
+    camera.refractive_index = entry.value("refractive_index", 1.0);
     return camera;
 }
 

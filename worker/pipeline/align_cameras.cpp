@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
-#include "worker/base/angle.hpp"
+#include "schemas/error.hpp"
 #include "worker/base/parallel.hpp"
-#include "worker/base/text.hpp"
 #include "worker/calibration/stereo_alignment.hpp"
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/camera/rectifier.hpp"
@@ -25,7 +25,17 @@ constexpr int kFramesPerWindow = 8;  // of the dive; more windows would read fra
 // Windows are added until the bias of disparities is known this well, or hardly is one.
 constexpr double kEnoughBiasSigma_px = 0.04;
 constexpr double kNoBiasSigma_px = 0.12;
-constexpr double kTold_px = 0.7;  // findings begin here
+// Refractive index of water: 1.333 in a lake, 1.342 in a cold sea.
+constexpr double kWater = 1.337;
+constexpr std::array<types::MediumChange, 4> kOtherMedia = {
+    {{1.0, kWater}, {kWater, 1.0}, {1.0, 1.0 / kWater}, {1.0 / kWater, 1.0}}};
+constexpr double kBentByMedium_px = 1.0;
+constexpr int kMinRanges = 100;
+constexpr double kFewer = 0.02;  // inliers
+// Shares of the errors. A right medium left 0.16 to 0.26 of both (product), a wrong one 0.55 and
+// more.
+constexpr double kBetter = 0.7;
+constexpr double kMuchBetter = 0.4;
 
 // Returns i as a fraction with its binary digits reversed: any first few are spread evenly over
 // [0, 1) (van der Corput 1935).
@@ -47,15 +57,15 @@ std::vector<int> spread_frames(int num_frames) {
     return frames;
 }
 
-// Matches pairs after rectification with one rig and returns them as in another's.
+// Matches pairs after rectification with one rig and returns them as rectified with `stated`.
 class PairMatcher {
 public:
-    PairMatcher(const types::Recording& recording, const types::Rig& rig)
+    PairMatcher(const types::Recording& recording, const types::Rig& stated, const types::Rig& rig)
         : recording_(recording),
           rectifier_(rig, recording.fixed_pattern()),
           lenses_(camera::rectified_lenses(rig)),
-          stated_rectified_(camera::Rectifier(recording.rig()).rig()),
-          stated_lenses_(camera::rectified_lenses(recording.rig())) {}
+          stated_rectified_(camera::Rectifier(stated, recording.fixed_pattern()).rig()),
+          stated_lenses_(camera::rectified_lenses(stated)) {}
 
     types::StereoMatches matches(int frame_index) const {
         const auto frame = recording_.frame(frame_index);
@@ -103,12 +113,13 @@ types::StereoMatches spread_matches(const PairMatcher& matcher,
 
 // Returns how the right camera stands by the rows of matches.
 types::RigAlignment align_rows(const types::Recording& recording,
+                               const types::Rig& stated,
                                int num_threads,
                                const base::ProgressCallback& progress) {
-    const types::Rig& stated = recording.rig();
-    const types::RectifiedRig rectified = camera::Rectifier(stated).rig();
+    const types::RectifiedRig rectified =
+        camera::Rectifier(stated, recording.fixed_pattern()).rig();
     const auto estimate = [&](const types::Rig& rig) {
-        const PairMatcher matcher(recording, rig);
+        const PairMatcher matcher(recording, stated, rig);
         return calibration::estimate_rig_alignment(
             stated,
             rectified,
@@ -126,12 +137,13 @@ bool is_enough(const calibration::RangeSolution& ranges) {
     return ranges.bias_sigma_px < (unbiased ? kNoBiasSigma_px : kEnoughBiasSigma_px);
 }
 
-// Adds what ranges tell, from windows spread over the dive until they tell enough.
-void align_ranges(const types::Recording& recording,
-                  int num_threads,
-                  const base::ProgressCallback& progress,
-                  types::RigAlignment& alignment) {
-    const camera::Rectifier rectifier(calibration::changed_rig(recording.rig(), alignment.change),
+// Adds what ranges tell, from windows spread over the dive until they tell enough, and returns it.
+calibration::RangeSolution align_ranges(const types::Recording& recording,
+                                        const types::Rig& stated,
+                                        int num_threads,
+                                        const base::ProgressCallback& progress,
+                                        types::RigAlignment& alignment) {
+    const camera::Rectifier rectifier(calibration::changed_rig(stated, alignment.change),
                                       recording.fixed_pattern());
     const std::vector<int> frames = spread_frames(recording.num_frames());
     std::vector<calibration::RangeWindow> windows;
@@ -155,47 +167,104 @@ void align_ranges(const types::Recording& recording,
                                            calibration::expected_range_sigmas());
         if (is_enough(ranges)) break;
     }
-    calibration::add_ranges(recording.rig(), rectifier.rig(), ranges, alignment);
+    calibration::add_ranges(stated, rectifier.rig(), ranges, alignment);
+    return ranges;
 }
 
-std::string degrees(double angle_rad) { return base::fixed(base::kDegPerRad * angle_rad, 2); }
-
-// Returns what the change does to disparities, "" where nothing tells it.
-std::string disparities_off(const types::RigAlignment& alignment) {
-    if (!alignment.moves_disparities()) return "";
-    const double bias_px = alignment.disparity_bias_px;
-    return ", and all disparities are " + base::fixed(std::abs(bias_px), 1) + " +- " +
-           base::fixed(alignment.disparity_bias_sigma_px, 1) + " px too " +
-           (bias_px > 0.0 ? "large" : "small") + " (principal point " +
-           base::fixed(alignment.change.values[types::RigChange::kCentre], 1) + " px off)";
+bool is_told(const types::RigAlignment& alignment) {
+    using Outcome = types::RigAlignment::Outcome;
+    return alignment.outcome == Outcome::AsStated || alignment.outcome == Outcome::Moved;
 }
 
-Finding moved_finding(const types::RigAlignment& alignment) {
-    const auto& turned = alignment.change.values;
-    return {Severity::Warning,
-            "stereo_mismatch",
-            "mav0/cam1/sensor.yaml",
-            "the right camera does not stand where the calibration has it: it has turned by " +
-                degrees(turned.head<3>().norm()) + " degrees (pitch " + degrees(turned[0]) +
-                ", yaw " + degrees(turned[1]) + ", roll " + degrees(turned[2]) +
-                "), so matching points in the left and right images lie " +
-                base::fixed(alignment.row_shift_px, 1) + " px (RMS) off their rows" +
-                disparities_off(alignment),
-            "The reconstruction estimates this from the images and corrects it (option "
-            "align_cameras). Calibrate the stereo pair again, and check that the cameras are "
-            "fixed tightly."};
+// Cameras aligned as if a rig was what the calibration says, and how well it fits.
+struct Aligned {
+    types::RigAlignment alignment;
+    int num_ranges = 0;            // inliers
+    double range_error_rad = 0.0;  // robust standard deviations
+    double row_error_rad = 0.0;
+
+    double inlier_share() const {
+        return alignment.num_matches == 0
+                   ? 0.0
+                   : static_cast<double>(alignment.num_inliers) / alignment.num_matches;
+    }
+};
+
+Aligned aligned(const types::Recording& recording,
+                const types::Rig& stated,
+                int num_threads,
+                const base::ProgressCallback& progress) {
+    using Outcome = types::RigAlignment::Outcome;
+    const types::RigAlignment rows = align_rows(recording, stated, num_threads, progress);
+    Aligned result{rows};
+    if (!is_told(rows)) return result;
+    types::RigAlignment& alignment = result.alignment;
+    if (rows.outcome == Outcome::AsStated) {  // reported, never applied
+        alignment.change = {};
+        alignment.sigmas.setZero();
+    }
+    const calibration::RangeSolution ranges =
+        align_ranges(recording, stated, num_threads, progress, alignment);
+    if (alignment.outcome == Outcome::AsStated) {
+        alignment.change = rows.change;
+        alignment.sigmas = rows.sigmas;
+    }
+    const double focal_px = camera::Rectifier(stated, recording.fixed_pattern()).rig().focal_px;
+    result.num_ranges = ranges.num_matches;
+    result.range_error_rad = ranges.error_px / focal_px;
+    result.row_error_rad = rows.row_error_px / focal_px;
+    return result;
 }
 
-Finding inconsistent_finding(const types::RigAlignment& alignment) {
-    return {Severity::Warning,
-            "stereo_inconsistent",
-            "mav0/cam1/data",
-            "of " + std::to_string(alignment.num_matches) +
-                " points found in left and right images, " + std::to_string(alignment.num_inliers) +
-                " agree on one position of the cameras, and the rows of a pair differ by " +
-                base::fixed(alignment.pair_error_px, 1) + " px (RMS) from pair to pair",
-            "Check that both cameras expose at the same time, that both images are sharp, and that "
-            "the cameras cannot move against each other."};
+// Returns nullopt where such cameras cannot be rectified.
+std::optional<Aligned> aligned_if_possible(const types::Recording& recording,
+                                           const types::Rig& rig,
+                                           int num_threads,
+                                           const base::ProgressCallback& progress) {
+    try {
+        return aligned(recording, rig, num_threads, progress);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::BadData) throw;
+        return std::nullopt;
+    }
+}
+
+// The wrong medium bends ranges far more than a knock or a careless calibration does.
+bool may_be_other_medium(const Aligned& as_stated) {
+    const types::RigAlignment& found = as_stated.alignment;
+    return found.outcome == types::RigAlignment::Outcome::Inconsistent ||
+           std::abs(found.disparity_bias_px) > kBentByMedium_px;
+}
+
+// Another focal length changes angles, and so errors, by a quarter without fitting any better.
+bool fits_much_better(const Aligned& other, const Aligned& as_stated) {
+    if (other.num_ranges < kMinRanges || other.inlier_share() < as_stated.inlier_share() - kFewer)
+        return false;
+    if (as_stated.num_ranges < kMinRanges)
+        return other.alignment.outcome == types::RigAlignment::Outcome::AsStated;
+    const double ranges = other.range_error_rad / as_stated.range_error_rad;
+    const double rows = other.row_error_rad / as_stated.row_error_rad;
+    return std::max(ranges, rows) < kBetter && ranges * rows < kMuchBetter;
+}
+
+// Returns the cameras aligned in the medium that fits best, or as stated.
+Aligned in_best_medium(const types::Recording& recording,
+                       const Aligned& as_stated,
+                       int num_threads,
+                       const base::ProgressCallback& progress) {
+    Aligned best = as_stated;
+    for (const types::MediumChange& medium : kOtherMedia) {
+        const types::Rig rig = calibration::rig_in_medium(recording.rig(), medium);
+        auto other = aligned_if_possible(recording, rig, num_threads, progress);
+        if (!other || !fits_much_better(*other, as_stated) ||
+            (!best.alignment.change.medium.is_none() &&
+             other->range_error_rad > best.range_error_rad))
+            continue;
+        other->alignment.change.medium = medium;
+        other->alignment.outcome = types::RigAlignment::Outcome::Moved;
+        best = *other;
+    }
+    return best;
 }
 
 }  // namespace
@@ -203,28 +272,9 @@ Finding inconsistent_finding(const types::RigAlignment& alignment) {
 types::RigAlignment align_cameras(const types::Recording& recording,
                                   int num_threads,
                                   const base::ProgressCallback& progress) {
-    using Outcome = types::RigAlignment::Outcome;
-    types::RigAlignment rows = align_rows(recording, num_threads, progress);
-    if (rows.outcome != Outcome::AsStated && rows.outcome != Outcome::Moved) return rows;
-    types::RigAlignment alignment = rows;
-    if (rows.outcome == Outcome::AsStated) {  // reported, never applied
-        alignment.change = {};
-        alignment.sigmas.setZero();
-    }
-    align_ranges(recording, num_threads, progress, alignment);
-    if (alignment.outcome == Outcome::AsStated) {
-        alignment.change = rows.change;
-        alignment.sigmas = rows.sigmas;
-    }
-    return alignment;
-}
-
-std::vector<Finding> alignment_findings(const types::RigAlignment& alignment) {
-    using Outcome = types::RigAlignment::Outcome;
-    if (alignment.outcome == Outcome::Inconsistent) return {inconsistent_finding(alignment)};
-    if (alignment.outcome == Outcome::Moved && alignment.shift_px() >= kTold_px)
-        return {moved_finding(alignment)};
-    return {};
+    const Aligned as_stated = aligned(recording, recording.rig(), num_threads, progress);
+    if (!may_be_other_medium(as_stated)) return as_stated.alignment;
+    return in_best_medium(recording, as_stated, num_threads, progress).alignment;
 }
 
 }  // namespace divemesh::pipeline

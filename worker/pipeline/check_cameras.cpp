@@ -2,6 +2,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/pipeline/align_cameras.hpp"
+#include "worker/pipeline/alignment_findings.hpp"
 
 namespace divemesh::pipeline {
 

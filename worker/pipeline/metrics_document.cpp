@@ -41,6 +41,7 @@ void append(std::string& text, const types::Camera& camera, const Eigen::Isometr
         append(text, value);
     text.append(io::to_string(camera.distortion)).append("\n");
     for (const double value : camera.distortion_coefficients) append(text, value);
+    if (camera.refractive_index != 1.0) append(text, camera.refractive_index);
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column) append(text, T_imu_cam(row, column));
 }
@@ -119,6 +120,9 @@ json alignment(const types::RigAlignment& found) {
         result["change"][kNames[static_cast<std::size_t>(i)]] =
             estimate(unit * found.change.values[i], unit * found.sigmas[i]);
     }
+    if (const types::MediumChange& medium = found.change.medium; !medium.is_none())
+        result["medium"] = {{"focal_scale", medium.focal_scale},
+                            {"refractive_index", medium.refractive_index}};
     result["row_shift_px"] = found.row_shift_px;
     result["row_error_px"] = found.row_error_px;
     result["pair_error_px"] = found.pair_error_px;

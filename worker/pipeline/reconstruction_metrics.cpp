@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "worker/evaluation/surface_samples.hpp"
-#include "worker/pipeline/align_cameras.hpp"
+#include "worker/pipeline/alignment_findings.hpp"
 #include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/metrics_document.hpp"
 #include "worker/pipeline/result_findings.hpp"

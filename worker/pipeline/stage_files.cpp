@@ -137,7 +137,9 @@ void fields(auto& file, Is<types::RigAlignment> auto& alignment) {
         file.plain(*num);
     file.raw(alignment.change.values);
     file.raw(alignment.sigmas);
-    for (auto* value : {&alignment.row_shift_px,
+    for (auto* value : {&alignment.change.medium.focal_scale,
+                        &alignment.change.medium.refractive_index,
+                        &alignment.row_shift_px,
                         &alignment.row_error_px,
                         &alignment.pair_error_px,
                         &alignment.disparity_bias_px,

@@ -19,6 +19,9 @@ struct Camera {
     double cy_px = 0.0;
     Distortion distortion = Distortion::RadialTangential;
     std::array<double, 4> distortion_coefficients = {0.0, 0.0, 0.0, 0.0};
+    // Refractive index of the medium in which the camera records over that in which it was
+    // calibrated. Not 1: rays are refracted at a flat port before they reach the lens.
+    double refractive_index = 1.0;
 };
 
 }  // namespace divemesh::types

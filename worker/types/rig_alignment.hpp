@@ -7,6 +7,16 @@
 
 namespace divemesh::types {
 
+// What becomes of cameras that record in another medium than that of their calibration. Behind a
+// flat port a calibration in air is off by the refraction of water. One that a maker has scaled
+// back to air has focal lengths that are off by the refractive index.
+struct MediumChange {
+    double focal_scale = 1.0;       // of both cameras
+    double refractive_index = 1.0;  // as in Camera
+
+    bool is_none() const { return focal_scale == 1.0 && refractive_index == 1.0; }
+};
+
 // How the right camera really stands against the left one, as a change of the stated calibration.
 struct RigChange {
     static constexpr int kPitch = 0;  // rad, rotation of the right camera about its own axes
@@ -20,6 +30,7 @@ struct RigChange {
     using Vector = Eigen::Matrix<double, kSize, 1>;
 
     Vector values = Vector::Zero();
+    MediumChange medium;  // `values` are of cameras that are changed by it
 };
 
 // What the images of a dive tell of the position of the right camera.

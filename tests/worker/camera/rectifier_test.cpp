@@ -90,6 +90,48 @@ TEST(RectifierTest, TakesTheMiddleOfAFisheyeImageThatSeesBehindItself) {
     EXPECT_NEAR(ideal.cy_px, 239.5, 1e-9);
 }
 
+// A fisheye image of which only a picture in the middle shows the scene, as of a lens made for a
+// smaller sensor.
+TEST(RectifierTest, KeepsTheResolutionOfASceneOnBlack) {
+    types::Rig rig = converging_rig();
+    rig.cam0 = {640, 480, 200.0, 200.0, 320.0, 240.0, types::Distortion::Equidistant, {}};
+    rig.cam1 = rig.cam0;
+    cv::Mat fixed_pattern(480, 640, CV_8U, cv::Scalar(255));
+    fixed_pattern(cv::Rect(240, 180, 160, 120)) = 0;
+
+    const types::RectifiedRig without = Rectifier(rig).rig();
+    const Rectifier rectifier(rig, fixed_pattern);
+    types::StereoFrame frame;
+    frame.left = frame.right = cv::Mat::zeros(480, 640, CV_8U);
+    const types::RectifiedFrame rectified = rectifier.rectify(frame);
+
+    EXPECT_NEAR(without.focal_px, 100.0, 1e-9);
+    EXPECT_NEAR(rectifier.rig().focal_px, 200.0, 1e-9);
+    const cv::Rect scene = cv::boundingRect(rectified.fixed_pattern == 0);
+    EXPECT_GE(scene.width, 160);
+    EXPECT_GE(scene.height, 120);
+    EXPECT_FALSE(rectified.shows_scene({5.0, 5.0}));
+    EXPECT_TRUE(rectified.shows_scene(
+        Eigen::Vector2d(0.5 * (scene.tl().x + scene.br().x), 0.5 * (scene.tl().y + scene.br().y))));
+}
+
+TEST(ProjectionTest, AFlatPortRefractsBySnell) {
+    types::Camera camera{640, 480, 400.0, 400.0, 320.0, 240.0, types::Distortion::None, {}};
+    camera.refractive_index = 1.337;
+    for (const double angle_deg : {0.5, 10.0, 25.0, 40.0}) {
+        const double angle = angle_deg * std::numbers::pi / 180.0;
+        const Eigen::Vector3d ray(0.6 * std::tan(angle), -0.8 * std::tan(angle), 1.0);
+        const double in_air = std::asin(1.337 * std::sin(angle));
+
+        const Eigen::Vector2d pixel = *project(camera, ray);
+
+        EXPECT_NEAR((pixel - Eigen::Vector2d(320.0, 240.0)).norm(), 400.0 * std::tan(in_air), 1e-6);
+        EXPECT_LT((unproject(camera, pixel) - ray).norm(), 1e-9);
+    }
+    // Beyond 48.4 degrees no ray passes the port.
+    EXPECT_FALSE(project(camera, {std::tan(0.86), 0.0, 1.0}));
+}
+
 TEST(ProjectionTest, FisheyeRaysAreThoseOfTheirPixels) {
     const types::Camera camera{
         640,

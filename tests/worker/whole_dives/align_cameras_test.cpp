@@ -4,12 +4,16 @@
 
 #include <memory>
 #include <numbers>
+#include <opencv2/imgproc.hpp>
 
+#include "tests/synthetic/altered_recording.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/calibration/stereo_alignment.hpp"
+#include "worker/camera/projection.hpp"
 #include "worker/dive/dive.hpp"
 #include "worker/pipeline/aligned_recording.hpp"
+#include "worker/pipeline/alignment_findings.hpp"
 #include "worker/simulator/simulate.hpp"
 
 namespace divemesh::pipeline {
@@ -79,6 +83,69 @@ TEST_F(AlignCamerasTest, AYawIsFoundByRanges) {
     EXPECT_EQ(found.outcome, Outcome::Moved);
     EXPECT_LT(std::abs(error_.y()), 0.15);
     EXPECT_GT(found.num_windows, 0);
+}
+
+// A calibration whose makers scaled it to air.
+TEST_F(AlignCamerasTest, FocalLengthsOfAnotherMediumAreFoundAndTold) {
+    AlignedRecording recording(*dive_);
+    types::Rig in_air = dive_->rig();
+    for (types::Camera* camera : {&in_air.cam0, &in_air.cam1}) {
+        camera->fx_px /= 1.333;
+        camera->fy_px /= 1.333;
+    }
+    recording.set_rig(in_air);
+
+    const types::RigAlignment found = align_cameras(recording, 0, base::ignore_progress);
+
+    EXPECT_NEAR(found.change.medium.focal_scale, 1.337, 1e-12);
+    EXPECT_EQ(found.change.medium.refractive_index, 1.0);
+    const std::vector<Finding> findings = alignment_findings(found);
+    ASSERT_FALSE(findings.empty());
+    EXPECT_EQ(findings[0].code, "calibration_medium");
+}
+
+// Makes the image that a camera takes behind a flat port: `in_air` is its calibration without it.
+// Snell's law is written down here once more, by angles.
+cv::Mat behind_port(const cv::Mat& image,
+                    const types::Camera& seen_by,
+                    const types::Camera& in_air) {
+    cv::Mat x(image.size(), CV_32F);
+    cv::Mat y(image.size(), CV_32F);
+    for (int v = 0; v < image.rows; ++v)
+        for (int u = 0; u < image.cols; ++u) {
+            const Eigen::Vector3d ray = camera::unproject(in_air, Eigen::Vector2d(u, v));
+            const double distance = ray.head<2>().norm();
+            const double in_water = std::asin(std::sin(std::atan(distance)) / 1.337);
+            const Eigen::Vector2d n =
+                std::tan(in_water) / std::max(distance, 1e-12) * ray.head<2>();
+            const Eigen::Vector2d at = *camera::project(seen_by, {n.x(), n.y(), 1.0});
+            x.at<float>(v, u) = static_cast<float>(at.x());
+            y.at<float>(v, u) = static_cast<float>(at.y());
+        }
+    cv::Mat result;
+    cv::remap(image, result, x, y, cv::INTER_CUBIC);
+    return result;
+}
+
+TEST_F(AlignCamerasTest, ACalibrationInAirBehindAFlatPortIsFoundAndTold) {
+    types::Rig in_air = dive_->rig();
+    for (types::Camera* camera : {&in_air.cam0, &in_air.cam1}) {
+        camera->fx_px /= 1.337;
+        camera->fy_px /= 1.337;
+        camera->distortion = types::Distortion::None;
+    }
+    synthetic::AlteredRecording altered(*dive_, [&](types::StereoFrame& frame) {
+        frame.left = behind_port(frame.left, dive_->rig().cam0, in_air.cam0);
+        frame.right = behind_port(frame.right, dive_->rig().cam1, in_air.cam1);
+    });
+    AlignedRecording recording(altered);
+    recording.set_rig(in_air);
+
+    const types::RigAlignment found = align_cameras(recording, 0, base::ignore_progress);
+
+    EXPECT_NEAR(found.change.medium.refractive_index, 1.337, 1e-12);
+    EXPECT_EQ(found.change.medium.focal_scale, 1.0);
+    EXPECT_EQ(alignment_findings(found)[0].code, "calibration_medium");
 }
 
 }  // namespace

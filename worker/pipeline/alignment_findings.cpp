@@ -1,0 +1,83 @@
+#include "worker/pipeline/alignment_findings.hpp"
+
+#include <cmath>
+#include <string>
+
+#include "worker/base/angle.hpp"
+#include "worker/base/text.hpp"
+
+namespace divemesh::pipeline {
+namespace {
+
+constexpr double kTold_px = 0.7;  // findings begin here
+
+std::string degrees(double angle_rad) { return base::fixed(base::kDegPerRad * angle_rad, 2); }
+
+// Returns what the change does to disparities, "" where nothing tells it.
+std::string disparities_off(const types::RigAlignment& alignment) {
+    if (!alignment.moves_disparities()) return "";
+    const double bias_px = alignment.disparity_bias_px;
+    return ", and all disparities are " + base::fixed(std::abs(bias_px), 1) + " +- " +
+           base::fixed(alignment.disparity_bias_sigma_px, 1) + " px too " +
+           (bias_px > 0.0 ? "large" : "small") + " (principal point " +
+           base::fixed(alignment.change.values[types::RigChange::kCentre], 1) + " px off)";
+}
+
+Finding moved_finding(const types::RigAlignment& alignment) {
+    const auto& turned = alignment.change.values;
+    return {Severity::Warning,
+            "stereo_mismatch",
+            "mav0/cam1/sensor.yaml",
+            "the right camera does not stand where the calibration has it: it has turned by " +
+                degrees(turned.head<3>().norm()) + " degrees (pitch " + degrees(turned[0]) +
+                ", yaw " + degrees(turned[1]) + ", roll " + degrees(turned[2]) +
+                "), so matching points in the left and right images lie " +
+                base::fixed(alignment.row_shift_px, 1) + " px (RMS) off their rows" +
+                disparities_off(alignment),
+            "The reconstruction estimates this from the images and corrects it (option "
+            "align_cameras). Calibrate the stereo pair again, and check that the cameras are "
+            "fixed tightly."};
+}
+
+Finding medium_finding(const types::MediumChange& medium) {
+    const bool in_air = medium.focal_scale * medium.refractive_index > 1.0;
+    const bool is_port = medium.refractive_index != 1.0;
+    return {Severity::Warning,
+            "calibration_medium",
+            "mav0/cam0/sensor.yaml",
+            std::string("the cameras were calibrated in ") + (in_air ? "air" : "water") +
+                " and record in " + (in_air ? "water" : "air") + ": views of the scene agree " +
+                (is_port ? "with the refraction of water at a flat port"
+                         : "with focal lengths " + base::fixed(medium.focal_scale, 2) +
+                               " times those stated"),
+            "The reconstruction takes that into account (option align_cameras), but no port is as "
+            "thin and as straight as that. Calibrate the cameras in the medium in which they "
+            "record."};
+}
+
+Finding inconsistent_finding(const types::RigAlignment& alignment) {
+    return {Severity::Warning,
+            "stereo_inconsistent",
+            "mav0/cam1/data",
+            "of " + std::to_string(alignment.num_matches) +
+                " points found in left and right images, " + std::to_string(alignment.num_inliers) +
+                " agree on one position of the cameras, and the rows of a pair differ by " +
+                base::fixed(alignment.pair_error_px, 1) + " px (RMS) from pair to pair",
+            "Check that both cameras expose at the same time, that both images are sharp, and that "
+            "the cameras cannot move against each other."};
+}
+
+}  // namespace
+
+std::vector<Finding> alignment_findings(const types::RigAlignment& alignment) {
+    using Outcome = types::RigAlignment::Outcome;
+    if (alignment.outcome == Outcome::Inconsistent) return {inconsistent_finding(alignment)};
+    std::vector<Finding> findings;
+    if (const auto& medium = alignment.change.medium; !medium.is_none())
+        findings.push_back(medium_finding(medium));
+    if (alignment.outcome == Outcome::Moved && alignment.shift_px() >= kTold_px)
+        findings.push_back(moved_finding(alignment));
+    return findings;
+}
+
+}  // namespace divemesh::pipeline
