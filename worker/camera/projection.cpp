@@ -77,8 +77,11 @@ Eigen::Vector2d undistort(const types::Camera& camera, const Eigen::Vector2d& pi
                             (pixel.y() - camera.cy_px) / camera.fy_px);
     if (camera.distortion == types::Distortion::Equidistant) {
         const double distance = d.norm();
-        if (distance < 1e-12) return d;
-        return std::tan(angle_at(camera.distortion_coefficients, distance)) / distance * d;
+        const double scale =
+            distance < 1e-12
+                ? 1.0
+                : std::tan(angle_at(camera.distortion_coefficients, distance)) / distance;
+        return scale * d;
     }
     // Starts at the distorted point, then Newton with a numeric Jacobian: converges wherever the
     // model is invertible.
