@@ -13,7 +13,7 @@ namespace {
 template <typename Options, typename Visit>
 void for_each_option(Options& options, Visit&& visit) {
     // clang-format off
-    visit("align_cameras", options.align_cameras, "estimate the right camera's pose relative to the left one from the images, and use it where it differs from the calibration");
+    visit("align_cameras", options.align_cameras, "estimate the right camera's pose relative to the left one from the images, and the medium of the calibration, and use them where they differ from what is stated");
     visit("stereo", options.stereo, "stereo matcher: block (sum of absolute differences, the paper), sgm or opencv_sgbm");
     visit("num_disparities_px", options.num_disparities_px, "disparity search range, a multiple of 16");
     visit("stereo_scales", options.stereo_scales, "image sizes at which sgm matches: 1 the full size, 2 also half of it (weak texture, haze)");

@@ -22,8 +22,10 @@ constexpr double kTypicalDisparity_px = 20.0;
 // The typical error of a distortion, as a share of its prior: that is wide enough to find one that
 // is far off.
 constexpr double kTypicalDistortion = 0.33;
-// Of the scale behind a flat port that no calibration in water has measured.
+// Of the scale behind a flat port that no calibration in water has measured, and with a calibration
+// in the wrong medium.
 constexpr double kMediumSigma = 0.01;
+constexpr double kWrongMediumSigma = 0.25;
 constexpr double kBiasSigmas = 2.0;  // ranges are not independent of each other
 using Shift = Eigen::Matrix<double, 3, kSize>;
 using LensShift = Eigen::Matrix<double, 2, types::LensChange::kSize>;
@@ -151,6 +153,11 @@ Eigen::Matrix3d of_imu_rotation(const types::Rig& rig,
            left_out * left_out.transpose();
 }
 
+double of_medium(const types::RigAlignment& alignment) {
+    if (alignment.change.medium.is_none()) return 0.0;
+    return alignment.applied ? kMediumSigma : kWrongMediumSigma;
+}
+
 double of_time_offset(const types::Rig& rig, const types::RefinedCalibration& calibration) {
     if (!rig.imu_noise) return 0.0;
     if (calibration.time_offset_sigma_s <= 0.0) return kTimeOffsetSigma_s;
@@ -179,9 +186,9 @@ optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& r
         is_aligned(alignment) ? kAlignedRotationSigma : kStereoRotationSigma;
     for (const int axis : {0, 2})
         result.covariance(kStereo + axis, kStereo + axis) = rotation_sigma * rotation_sigma;
-    result.covariance(kBaseline, kBaseline) =
-        std::pow(kBaselineSigma, 2) + std::pow(rig.right_delay_baseline_sigma, 2) +
-        (alignment.change.medium.is_none() ? 0.0 : std::pow(kMediumSigma, 2));
+    result.covariance(kBaseline, kBaseline) = std::pow(kBaselineSigma, 2) +
+                                              std::pow(rig.right_delay_baseline_sigma, 2) +
+                                              std::pow(of_medium(alignment), 2);
     result.covariance.block<3, 3>(kImu, kImu) = of_imu_rotation(rig, refined.calibration);
     if (rig.imu_noise)
         result.covariance.block<3, 3>(kLeverArm, kLeverArm)

@@ -171,7 +171,8 @@ void add_ranges(const types::Rig& rig,
         base::rotation_from_vector(R_cam1_rectified *
                                    (ranges.values[0] * Eigen::Vector3d::UnitY()));
     change.head<3>() = base::vector_from_rotation(turned);
-    const double recorded_by_rectified = rig.cam1.fx_px / rectified.focal_px;
+    const double recorded_by_rectified =
+        rig.cam1.refractive_index * rig.cam1.fx_px / rectified.focal_px;
     change[Change::kCentre] = ranges.values[1] * recorded_by_rectified;
     alignment.sigmas[Change::kYaw] = std::sqrt(ranges.covariance(0, 0));
     alignment.sigmas[Change::kCentre] = std::sqrt(ranges.covariance(1, 1)) * recorded_by_rectified;

@@ -12,7 +12,7 @@ namespace divemesh::camera {
 constexpr double kMaxFisheyeAngle_rad = 85.0 * std::numbers::pi / 180.0;
 
 // Returns the pixel of a point in the camera frame (m, z forward); nullopt if the point is not in
-// front of the camera. The pixel may lie outside the image.
+// front of the camera, or no ray from it passes a flat port. The pixel may lie outside the image.
 std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen::Vector3d& p_cam);
 // Returns the ray through a pixel, with z = 1.
 Eigen::Vector3d unproject(const types::Camera& camera, const Eigen::Vector2d& pixel);

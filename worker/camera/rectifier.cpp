@@ -103,11 +103,12 @@ Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern) {
     const Extent whole = extent_of(rig, scene_part(rig.cam0, {}), lenses);
     const double width = rig.cam0.width_px - 1.0;
     const double height = rig.cam0.height_px - 1.0;
-    // The widest field of view without empty borders, and without more pixels than were recorded
-    // where black surrounds the scene. Of a fisheye only the middle: at half of its focal length,
-    // 72 degrees to both sides at an image width of 3.1 focal lengths.
-    const double native =
-        0.25 * (rig.cam0.fx_px + rig.cam0.fy_px + rig.cam1.fx_px + rig.cam1.fy_px);
+    // The widest field of view without empty borders. Where black surrounds the scene, the scene is
+    // in the middle, and not enlarged; empty borders belong to the fixed pattern then. Of a fisheye
+    // only the middle: at half of its focal length, 72 degrees to both sides at an image width of
+    // 3.1 focal lengths.
+    const double native = rig.cam0.refractive_index * 0.25 *
+                          (rig.cam0.fx_px + rig.cam0.fy_px + rig.cam1.fx_px + rig.cam1.fy_px);
     const double covering = std::min(covering_px(extent, width, height),
                                      std::max(native, covering_px(whole, width, height)));
     rig_.focal_px = std::max(covering, 0.5 * native);
@@ -132,7 +133,13 @@ Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern) {
     make_map(left, rig_, left_map_);
     make_map(right, rig_, right_map_);
     if (!fixed_pattern.empty())
-        cv::remap(fixed_pattern, fixed_pattern_, left_map_[0], left_map_[1], cv::INTER_NEAREST);
+        cv::remap(fixed_pattern,
+                  fixed_pattern_,
+                  left_map_[0],
+                  left_map_[1],
+                  cv::INTER_NEAREST,
+                  cv::BORDER_CONSTANT,
+                  cv::Scalar(255));  // beyond the recorded image
 }
 
 types::RectifiedFrame Rectifier::rectify(const types::StereoFrame& frame) const {

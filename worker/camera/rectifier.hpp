@@ -16,6 +16,8 @@ namespace divemesh::camera {
 class Rectifier {
 public:
     explicit Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern = {});
+    explicit Rectifier(const types::Recording& recording)
+        : Rectifier(recording.rig(), recording.fixed_pattern()) {}
 
     const types::RectifiedRig& rig() const { return rig_; }
     types::RectifiedFrame rectify(const types::StereoFrame& frame) const;

@@ -14,6 +14,7 @@ constexpr int kReach_px = 25;            // letters that change stand this near 
 constexpr double kMaxBlack = 16.0;       // grey value of the surroundings of a round image
 constexpr int kMinSurroundings_px = 15;  // width; narrower ones are shadows and letters
 constexpr double kMinSharpShare = 0.5;   // of the contour; light that fades has no edge
+constexpr double kMinSceneShare = 0.02;  // of the image
 constexpr int kBlur_px = 4;              // of the border by the lens
 constexpr int kRim_px = 8;               // half a patch, and the blur
 
@@ -83,7 +84,9 @@ FixedPattern::Masks FixedPattern::masks() const {
     Masks masks;
     if (cv::countNonZero(edges) >= kMinEdgeShare * static_cast<double>(mean.total()))
         cv::dilate(edges, masks.overlay, rectangle(2 * kReach_px + 1, kReach_px));
-    if (cv::countNonZero(is_border) > kMinSharpShare * cv::countNonZero(contour))
+    if (cv::countNonZero(contour & grown(is_border, kBlur_px)) >
+            kMinSharpShare * cv::countNonZero(contour) &&
+        cv::countNonZero(is_inside) > kMinSceneShare * static_cast<double>(mean.total()))
         masks.border = grown(surroundings, kRim_px);
     return masks;
 }

@@ -307,7 +307,7 @@ std::vector<types::TimeInterval> wrong_times(const std::vector<types::ImuSample>
         samples, spans.front().from_ns - reach_ns, spans.back().to_ns + reach_ns);
     const auto fit = best_fit(path, spans, {}, Eigen::Matrix3d(Eigen::Matrix3d::Identity()));
     if (!fit) return {};
-    const std::int64_t shift_ns = std::llround(1e9 * fit->offset_s);
+    const std::int64_t shift_ns = base::to_ns(fit->offset_s);
     std::vector<Difference> differences;
     for (const RotationSpan& span : spans) {
         const std::int64_t from_ns = span.from_ns + shift_ns;

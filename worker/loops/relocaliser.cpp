@@ -21,6 +21,9 @@ constexpr std::size_t kMinConfirmed = 5;
 features::DescribedKeypoints loop_keypoints(const types::RectifiedFrame& frame,
                                             int num_disparities_px) {
     features::DescribedKeypoints view = features::describe_keypoints(frame.left);
+    std::erase_if(view, [&](const features::DescribedKeypoint& point) {
+        return !frame.shows_scene({point.u_px, point.v_px});
+    });
     types::Features corners;
     for (const features::DescribedKeypoint& point : view)
         corners.push_back({0, {point.u_px, point.v_px}, 0.0});

@@ -159,7 +159,7 @@ std::vector<TagView> find_tags_in(types::Recording& recording,
                                   const camera::Rerectifier* refined,
                                   const base::ProgressShare& progress,
                                   int num_threads) {
-    const camera::Rectifier rectifier(recording.rig(), recording.fixed_pattern());
+    const camera::Rectifier rectifier(recording);
     std::vector<TagView> views;
     std::vector<KeyframePair> pairs;
     const auto look = [&] {

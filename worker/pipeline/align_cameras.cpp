@@ -29,9 +29,9 @@ constexpr double kNoBiasSigma_px = 0.12;
 constexpr double kWater = 1.337;
 constexpr std::array<types::MediumChange, 4> kOtherMedia = {
     {{1.0, kWater}, {kWater, 1.0}, {1.0, 1.0 / kWater}, {1.0 / kWater, 1.0}}};
-constexpr double kBentByMedium_px = 1.0;
+constexpr double kMinBias_rad = 0.003;  // of the disparities; a wrong medium: 0.0056 and more
 constexpr int kMinRanges = 100;
-constexpr double kFewer = 0.02;  // inliers
+constexpr double kMaxInliersLost = 0.02;  // share of the matches
 // Shares of the errors. A right medium left 0.16 to 0.26 of both (product), a wrong one 0.55 and
 // more.
 constexpr double kBetter = 0.7;
@@ -179,7 +179,8 @@ bool is_told(const types::RigAlignment& alignment) {
 // Cameras aligned as if a rig was what the calibration says, and how well it fits.
 struct Aligned {
     types::RigAlignment alignment;
-    int num_ranges = 0;            // inliers
+    int num_ranges = 0;  // inliers
+    double disparity_bias_rad = 0.0;
     double range_error_rad = 0.0;  // robust standard deviations
     double row_error_rad = 0.0;
 
@@ -211,6 +212,7 @@ Aligned aligned(const types::Recording& recording,
     }
     const double focal_px = camera::Rectifier(stated, recording.fixed_pattern()).rig().focal_px;
     result.num_ranges = ranges.num_matches;
+    result.disparity_bias_rad = ranges.bias_px / focal_px;
     result.range_error_rad = ranges.error_px / focal_px;
     result.row_error_rad = rows.row_error_px / focal_px;
     return result;
@@ -229,19 +231,17 @@ std::optional<Aligned> aligned_if_possible(const types::Recording& recording,
     }
 }
 
-// The wrong medium bends ranges far more than a knock or a careless calibration does.
+// The wrong medium puts disparities further off than most knocks and careless calibrations do.
 bool may_be_other_medium(const Aligned& as_stated) {
-    const types::RigAlignment& found = as_stated.alignment;
-    return found.outcome == types::RigAlignment::Outcome::Inconsistent ||
-           std::abs(found.disparity_bias_px) > kBentByMedium_px;
+    return as_stated.num_ranges >= kMinRanges &&
+           std::abs(as_stated.disparity_bias_rad) > kMinBias_rad;
 }
 
 // Another focal length changes angles, and so errors, by a quarter without fitting any better.
 bool fits_much_better(const Aligned& other, const Aligned& as_stated) {
-    if (other.num_ranges < kMinRanges || other.inlier_share() < as_stated.inlier_share() - kFewer)
+    if (other.num_ranges < kMinRanges ||
+        other.inlier_share() < as_stated.inlier_share() - kMaxInliersLost)
         return false;
-    if (as_stated.num_ranges < kMinRanges)
-        return other.alignment.outcome == types::RigAlignment::Outcome::AsStated;
     const double ranges = other.range_error_rad / as_stated.range_error_rad;
     const double rows = other.row_error_rad / as_stated.row_error_rad;
     return std::max(ranges, rows) < kBetter && ranges * rows < kMuchBetter;
@@ -260,6 +260,10 @@ Aligned in_best_medium(const types::Recording& recording,
             (!best.alignment.change.medium.is_none() &&
              other->range_error_rad > best.range_error_rad))
             continue;
+        if (other->alignment.outcome == types::RigAlignment::Outcome::AsStated) {
+            other->alignment.change = {};
+            other->alignment.sigmas.setZero();
+        }
         other->alignment.change.medium = medium;
         other->alignment.outcome = types::RigAlignment::Outcome::Moved;
         best = *other;

@@ -50,8 +50,8 @@ Finding medium_finding(const types::MediumChange& medium) {
                 (is_port ? "with the refraction of water at a flat port"
                          : "with focal lengths " + base::fixed(medium.focal_scale, 2) +
                                " times those stated"),
-            "The reconstruction takes that into account (option align_cameras), but no port is as "
-            "thin and as straight as that. Calibrate the cameras in the medium in which they "
+            "The reconstruction takes that into account (option align_cameras), but a real port is "
+            "neither thin nor exactly flat. Calibrate the cameras in the medium in which they "
             "record."};
 }
 

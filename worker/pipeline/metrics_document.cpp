@@ -41,7 +41,6 @@ void append(std::string& text, const types::Camera& camera, const Eigen::Isometr
         append(text, value);
     text.append(io::to_string(camera.distortion)).append("\n");
     for (const double value : camera.distortion_coefficients) append(text, value);
-    if (camera.refractive_index != 1.0) append(text, camera.refractive_index);
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column) append(text, T_imu_cam(row, column));
 }

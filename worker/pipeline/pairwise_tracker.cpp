@@ -97,7 +97,7 @@ types::Track track_pairwise(types::Recording& recording,
                             const ReconstructionOptions& options,
                             const keyframes::KeyframeStore& store,
                             const base::ProgressCallback& progress) {
-    const camera::Rectifier rectifier(recording.rig(), recording.fixed_pattern());
+    const camera::Rectifier rectifier(recording);
     PairwiseTracker tracker(rectifier.rig(), recording, options);
     return track_frames(recording, rectifier, options, store, tracker, progress);
 }

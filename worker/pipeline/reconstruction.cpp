@@ -26,8 +26,7 @@ std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
 }
 
 keyframes::KeyframeStore::LeftInColor rectified_left_images(const types::Recording& dive) {
-    return [&dive,
-            rectifier = std::make_shared<const camera::Rectifier>(dive.rig())](int frame_index) {
+    return [&dive, rectifier = std::make_shared<const camera::Rectifier>(dive)](int frame_index) {
         return rectifier->rectify_left(dive.left_in_color(frame_index));
     };
 }

@@ -43,7 +43,7 @@ types::RectifiedFrame WindowTracker::synchronised(const types::RectifiedFrame& f
                                                   const PredictedMotion& prediction) const {
     const std::int64_t interval_ns = frame.timestamp_ns - state_.motion.timestamp_ns();
     if (!prediction.reliable || interval_ns <= 0) return frame;
-    const double share = right_delay_s_ / (base::to_s(interval_ns));
+    const double share = right_delay_s_ / base::to_s(interval_ns);
     return camera::synchronise_pair(
         frame,
         motion_between_exposures(
@@ -209,7 +209,7 @@ types::Track track_window(types::Recording& recording,
                           const ReconstructionOptions& options,
                           const keyframes::KeyframeStore& store,
                           const base::ProgressCallback& progress) {
-    const camera::Rectifier rectifier(recording.rig(), recording.fixed_pattern());
+    const camera::Rectifier rectifier(recording);
     // Another attempt starts with the first frame, but what was reported is not taken back.
     double reached = 0.0;
     const auto forward_progress = [&](Progress at) {

@@ -7,9 +7,9 @@
 
 namespace divemesh::types {
 
-// What becomes of cameras that record in another medium than that of their calibration. Behind a
-// flat port a calibration in air is off by the refraction of water. One that a maker has scaled
-// back to air has focal lengths that are off by the refractive index.
+// What changes about cameras that record in another medium than that of their calibration: rays are
+// refracted at a flat port, or, where a calibration was scaled for the other medium, the focal
+// lengths differ by the refractive index.
 struct MediumChange {
     double focal_scale = 1.0;       // of both cameras
     double refractive_index = 1.0;  // as in Camera

@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
+#include "tests/synthetic/sensor_recording.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/camera/projection.hpp"
 
@@ -100,7 +101,10 @@ TEST(RectifierTest, KeepsTheResolutionOfASceneOnBlack) {
     fixed_pattern(cv::Rect(240, 180, 160, 120)) = 0;
 
     const types::RectifiedRig without = Rectifier(rig).rig();
-    const Rectifier rectifier(rig, fixed_pattern);
+    synthetic::SensorRecording recording;
+    recording.its_rig = rig;
+    recording.its_fixed_pattern = fixed_pattern;
+    const Rectifier rectifier(recording);
     types::StereoFrame frame;
     frame.left = frame.right = cv::Mat::zeros(480, 640, CV_8U);
     const types::RectifiedFrame rectified = rectifier.rectify(frame);
@@ -113,6 +117,25 @@ TEST(RectifierTest, KeepsTheResolutionOfASceneOnBlack) {
     EXPECT_FALSE(rectified.shows_scene({5.0, 5.0}));
     EXPECT_TRUE(rectified.shows_scene(
         Eigen::Vector2d(0.5 * (scene.tl().x + scene.br().x), 0.5 * (scene.tl().y + scene.br().y))));
+}
+
+// A black band on the right moves the scene to the middle, and the left border becomes empty.
+TEST(RectifierTest, WhatLiesBeyondTheRecordedImageIsNoScene) {
+    types::Rig rig = converging_rig();
+    rig.cam0 = {640, 480, 500.0, 500.0, 320.0, 240.0, types::Distortion::None, {}};
+    rig.cam1 = rig.cam0;
+    cv::Mat fixed_pattern = cv::Mat::zeros(480, 640, CV_8U);
+    fixed_pattern.colRange(560, 640) = 255;
+    const Rectifier rectifier(rig, fixed_pattern);
+    types::StereoFrame frame;
+    frame.left = frame.right = cv::Mat(480, 640, CV_8U, cv::Scalar(200));
+
+    const types::RectifiedFrame rectified = rectifier.rectify(frame);
+
+    cv::Mat empty;
+    cv::erode(rectified.left == 0, empty, cv::Mat::ones(3, 3, CV_8U));  // not pixels of the border
+    ASSERT_GT(cv::countNonZero(empty), 1000);
+    EXPECT_EQ(cv::countNonZero(empty & (rectified.fixed_pattern == 0)), 0);
 }
 
 TEST(ProjectionTest, AFlatPortRefractsBySnell) {
