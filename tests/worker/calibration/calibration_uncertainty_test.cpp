@@ -96,6 +96,21 @@ TEST_F(CalibrationUncertaintyTest, AnUncertainDelayIsAnUncertainBaseline) {
     EXPECT_NEAR(variance(late) - variance(rig()), 1e-4, 1e-12);
 }
 
+// In water a calibration in air makes depths a quarter too small; a port that is taken into account
+// has been measured by nobody.
+TEST_F(CalibrationUncertaintyTest, AnotherMediumMakesTheScaleUncertain) {
+    types::RigAlignment alignment;
+    const auto variance = [&] {
+        return calibration_uncertainty(rig(), rectified_, {}, alignment)
+            .covariance(kBaseline, kBaseline);
+    };
+    const double without = variance();
+    alignment.change.medium.refractive_index = 1.337;
+    EXPECT_NEAR(variance() - without, 0.25 * 0.25, 1e-12);
+    alignment.applied = true;
+    EXPECT_NEAR(variance() - without, 1e-4, 1e-12);
+}
+
 TEST_F(CalibrationUncertaintyTest, RangesNarrowTheBiasOfDisparities) {
     types::RigAlignment alignment;
     alignment.outcome = types::RigAlignment::Outcome::AsStated;

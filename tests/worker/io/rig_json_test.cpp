@@ -12,6 +12,7 @@ TEST(RigJsonTest, GivesBackTheRigThatWasWritten) {
     rig.cam0 = {640, 480, 490.5, 491.25, 320.0, 240.5, types::Distortion::Equidistant};
     rig.cam0.distortion_coefficients = {0.1, -0.02, 0.003, -0.0004};
     rig.cam1 = {641, 481, 488.0, 489.0, 318.0, 241.0, types::Distortion::None};
+    rig.cam1.refractive_index = 1.337;
     rig.T_imu_cam0.rotate(Eigen::AngleAxisd(2.0, Eigen::Vector3d(1.0, 2.0, 3.0).normalized()));
     rig.T_imu_cam0.translation() = Eigen::Vector3d(0.1, -0.2, 0.3);
     rig.T_imu_cam1.translation().x() = 0.12;
@@ -27,6 +28,8 @@ TEST(RigJsonTest, GivesBackTheRigThatWasWritten) {
     EXPECT_EQ(read.cam1.width_px, 641);
     EXPECT_EQ(read.cam1.height_px, 481);
     EXPECT_EQ(read.cam1.distortion, types::Distortion::None);
+    EXPECT_EQ(read.cam0.refractive_index, 1.0);
+    EXPECT_EQ(read.cam1.refractive_index, 1.337);
 }
 
 TEST(RigJsonTest, RefusesALensThatItDoesNotKnow) {

@@ -122,6 +122,20 @@ TEST(MetricsDocument, FitsItsSchemaWithAndWithoutTruthAndSurface) {
     EXPECT_TRUE(is_valid(metrics_document(dive_with_everything())));
 }
 
+TEST(MetricsDocument, FitsItsSchemaWithACalibrationInAnotherMedium) {
+    MetricsInput input = plain_dive();
+    for (types::Rig* rig : {&input.rig, &input.used_rig})
+        for (types::Camera* camera : {&rig->cam0, &rig->cam1}) camera->refractive_index = 1.337;
+    input.alignment.outcome = types::RigAlignment::Outcome::Moved;
+    input.alignment.num_inliers = 100;
+    input.alignment.change.medium.refractive_index = 1.337;
+
+    const json document = metrics_document(input);
+
+    EXPECT_TRUE(is_valid(document));
+    EXPECT_EQ(document["calibration"]["alignment"]["medium"]["refractive_index"], 1.337);
+}
+
 TEST(MetricsDocument, TheSchemaRefusesWhatIsMissingUnknownOrOfTheWrongType) {
     const json good = metrics_document(dive_with_everything());
     json bad = good;

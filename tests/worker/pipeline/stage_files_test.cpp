@@ -94,6 +94,30 @@ TEST(StageFiles, AnOptimisedTrackSurvivesTheDiskWithItsFindings) {
     EXPECT_EQ(read->statistics.check.after.reprojection_rms_px, 0.3);
 }
 
+TEST(StageFiles, AnAlignmentSurvivesTheDisk) {
+    const TemporaryFolder folder;
+    types::RigAlignment written;
+    written.outcome = types::RigAlignment::Outcome::Moved;
+    written.applied = true;
+    written.num_inliers = 321;
+    written.change.values[types::RigChange::kYaw] = 0.01;
+    written.change.medium = {1.25, 1.337};
+    written.sigmas[types::RigChange::kYaw] = 0.002;
+    written.disparity_bias_px = -1.5;
+    save_rig_alignment(folder / "align.stage", "key", written);
+    const auto read = load_rig_alignment(folder / "align.stage", "key");
+
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->outcome, written.outcome);
+    EXPECT_TRUE(read->applied);
+    EXPECT_EQ(read->num_inliers, 321);
+    EXPECT_EQ(read->change.values, written.change.values);
+    EXPECT_EQ(read->change.medium.focal_scale, 1.25);
+    EXPECT_EQ(read->change.medium.refractive_index, 1.337);
+    EXPECT_EQ(read->sigmas, written.sigmas);
+    EXPECT_EQ(read->disparity_bias_px, -1.5);
+}
+
 TEST(StageFiles, AMeshSurvivesTheDisk) {
     const TemporaryFolder folder;
     Surface surface;
