@@ -167,14 +167,17 @@ json calibration(const MetricsInput& input) {
 
 json frames(const MetricsInput& input) {
     const types::TrackStatistics& track = input.track;
-    return {{"num_frames", track.num_frames},
-            {"num_skipped_frames", track.num_skipped_frames},
-            {"num_frames_tracked", track.num_frames_tracked},
-            {"num_frames_by_imu", input.num_frames_by_imu},
-            {"num_frames_predicted", input.num_frames_predicted},
-            {"num_degenerate_frames", track.num_degenerate_frames},
-            {"coverage", rate(track.num_frames_tracked, static_cast<double>(track.num_frames))},
-            {"num_keyframes", input.num_keyframes}};
+    json result = {
+        {"num_frames", track.num_frames},
+        {"num_skipped_frames", track.num_skipped_frames},
+        {"num_frames_tracked", track.num_frames_tracked},
+        {"num_frames_by_imu", input.num_frames_by_imu},
+        {"num_frames_predicted", input.num_frames_predicted},
+        {"num_degenerate_frames", track.num_degenerate_frames},
+        {"coverage", rate(track.num_frames_tracked, static_cast<double>(track.num_frames))},
+        {"num_keyframes", input.num_keyframes}};
+    if (input.reduction > 1) result["reduction"] = input.reduction;
+    return result;
 }
 
 json tracking(const MetricsInput& input) {

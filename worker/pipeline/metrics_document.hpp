@@ -57,6 +57,7 @@ struct MetricsInput {
     types::RefinedCalibration refined;
     std::optional<Eigen::Matrix3d> end_covariance_m2;  // of the last position; nullopt: unknown
     types::TrackStatistics track;
+    std::int32_t reduction = 1;  // as in Track
     types::OptimiseStatistics optimise;
     std::int64_t num_keyframes = 0;
     std::int64_t num_landmarks = 0;

@@ -50,9 +50,27 @@ void Reconstruction::set_rig(const types::Rig& rig) {
         keyframes::KeyframeStore(scratch("keyframes"), rectified_left_images(recording));
 }
 
+void Reconstruction::set_reduction(int reduction) {
+    recording.set_reduction(reduction);
+    keyframe_store =
+        keyframes::KeyframeStore(scratch("keyframes"), rectified_left_images(recording));
+}
+
+types::RefinedCalibration Reconstruction::refined() const {
+    types::RefinedCalibration result = optimised.calibration;
+    const double reduction = recording.reduction();
+    for (std::size_t side = 0; side < 2; ++side)
+        for (const int centre : {1, 2}) {
+            result.lenses[side].values[centre] *= reduction;
+            result.lens_sigmas[side][centre] *= reduction;
+        }
+    result.lens_shift_px *= reduction;
+    return result;
+}
+
 types::Rig Reconstruction::used_rig() const {
-    const types::Rig refined = calibration::refined_rig(recording.rig(), optimised.calibration);
-    return scale ? scale->applied(refined) : refined;
+    const types::Rig rig = calibration::refined_rig(recording.recorded_rig(), refined());
+    return scale ? scale->applied(rig) : rig;
 }
 
 }  // namespace divemesh::pipeline

@@ -38,7 +38,12 @@ struct Reconstruction {
     // Has all later stages use this rig instead of the stated one.
     void set_rig(const types::Rig& rig);
 
-    // Returns the rig that the poses belong to: refined, and scaled once the scale was corrected.
+    // Has all later stages read images at 1 / `reduction` of their size.
+    void set_reduction(int reduction);
+
+    // Returns the refined calibration, and the rig that the poses belong to: refined, and scaled
+    // once the scale was corrected. Both are of images as recorded.
+    types::RefinedCalibration refined() const;
     types::Rig used_rig() const;
 
     const ReconstructionOptions& options() const { return request.options; }

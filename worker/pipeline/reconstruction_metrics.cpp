@@ -98,15 +98,16 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .content_sha256 = made.dive.content_sha256(),
          .duration_s = made.dive.duration_s(),
          .stated_rig = made.dive.rig(),
-         .rig = made.recording.rig(),
+         .rig = made.recording.recorded_rig(),
          .used_rig = made.used_rig(),
          .alignment = made.alignment,
          .gravity = evaluation::check_gravity(made.dive.imu(), made.optimised.trajectory),
-         .refined = made.optimised.calibration,
+         .refined = made.refined(),
          .end_covariance_m2 = made.optimised.covariances.empty()
                                   ? std::optional<Eigen::Matrix3d>()
                                   : made.optimised.covariances.back().position_m2,
          .track = made.track.statistics,
+         .reduction = made.track.reduction,
          .optimise = made.optimised.statistics,
          .num_keyframes = std::ssize(made.optimised.keyframes),
          .num_landmarks = made.num_landmarks,

@@ -162,6 +162,7 @@ void fields(auto& file, Is<types::Track> auto& track) {
     fields(file, track.left_out);
     file.list(track.findings);
     file.plain(track.statistics);
+    file.plain(track.reduction);
 }
 
 void fields(auto& file, Is<types::OptimisedTrack> auto& track) {

@@ -59,6 +59,7 @@ struct Track {
     SensorsLeftOut left_out;     // the sensors' data that the later steps must not use
     std::vector<Finding> findings;
     TrackStatistics statistics;
+    std::int32_t reduction = 1;  // the images were read at 1 / reduction of their size
 };
 
 }  // namespace divemesh::types

@@ -1,0 +1,72 @@
+#include "worker/pipeline/aligned_recording.hpp"
+
+#include <opencv2/imgproc.hpp>
+
+namespace divemesh::pipeline {
+namespace {
+
+types::Camera reduced_camera(types::Camera camera, int reduction) {
+    camera.width_px /= reduction;
+    camera.height_px /= reduction;
+    camera.fx_px /= reduction;
+    camera.fy_px /= reduction;
+    // Pixel centres are whole numbers in both sizes.
+    camera.cx_px = (camera.cx_px + 0.5) / reduction - 0.5;
+    camera.cy_px = (camera.cy_px + 0.5) / reduction - 0.5;
+    return camera;
+}
+
+types::Rig reduced_rig(types::Rig rig, int reduction) {
+    if (reduction == 1) return rig;
+    rig.cam0 = reduced_camera(rig.cam0, reduction);
+    rig.cam1 = reduced_camera(rig.cam1, reduction);
+    return rig;
+}
+
+// Averages squares of pixels; what is left over at the right and at the bottom is cut off.
+cv::Mat averaged(const cv::Mat& image, int reduction) {
+    const cv::Size size(image.cols / reduction, image.rows / reduction);
+    cv::Mat result;
+    cv::resize(image(cv::Rect(0, 0, size.width * reduction, size.height * reduction)),
+               result,
+               size,
+               0.0,
+               0.0,
+               cv::INTER_AREA);
+    return result;
+}
+
+}  // namespace
+
+AlignedRecording::AlignedRecording(types::Recording& recording)
+    : recording_(recording),
+      recorded_rig_(recording.rig()),
+      rig_(recorded_rig_),
+      fixed_pattern_(recording.fixed_pattern()) {}
+
+void AlignedRecording::set_rig(const types::Rig& rig) {
+    recorded_rig_ = rig;
+    rig_ = reduced_rig(recorded_rig_, reduction_);
+}
+
+void AlignedRecording::set_reduction(int reduction) {
+    reduction_ = reduction;
+    rig_ = reduced_rig(recorded_rig_, reduction_);
+    fixed_pattern_ = recording_.fixed_pattern();
+    if (reduction_ > 1 && !fixed_pattern_.empty())
+        fixed_pattern_ = averaged(fixed_pattern_, reduction_) > 0;
+}
+
+cv::Mat AlignedRecording::reduced(const cv::Mat& image) const {
+    return reduction_ == 1 || image.empty() ? image : averaged(image, reduction_);
+}
+
+std::optional<types::StereoFrame> AlignedRecording::reduced(
+    std::optional<types::StereoFrame> frame) const {
+    if (!frame) return frame;
+    frame->left = reduced(frame->left);
+    frame->right = reduced(frame->right);
+    return frame;
+}
+
+}  // namespace divemesh::pipeline

@@ -1,0 +1,87 @@
+#include "worker/pipeline/track_reduced.hpp"
+
+#include <algorithm>
+#include <string>
+
+#include "worker/keyframes/keyframe_store.hpp"
+#include "worker/pipeline/reconstruct.hpp"
+
+namespace divemesh::pipeline {
+namespace {
+
+constexpr int kMaxReduction = 4;
+constexpr int kMinWidth_px = 320;  // of reduced images
+// Shares of the frames that vision followed.
+constexpr double kMost = 0.5;
+constexpr double kNearlyAll = 0.9;
+constexpr double kMinGained = 0.25;
+
+double share_by_vision(const types::Track& track) {
+    const auto num = std::ranges::count(track.motions, types::MotionSource::Vision);
+    // The first frame has no motion.
+    return static_cast<double>(num) /
+           static_cast<double>(std::max<std::ptrdiff_t>(1, std::ssize(track.motions) - 1));
+}
+
+// A folder that is removed at the end.
+class AttemptFolder {
+public:
+    explicit AttemptFolder(std::filesystem::path path) : path_(std::move(path)) {}
+    AttemptFolder(const AttemptFolder&) = delete;
+    AttemptFolder& operator=(const AttemptFolder&) = delete;
+    ~AttemptFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+}  // namespace
+
+int better_reduction(const types::Track& track,
+                     const ReconstructionOptions& options,
+                     const std::filesystem::path& scratch,
+                     AlignedRecording& recording,
+                     const base::ProgressCallback& progress) {
+    const double at_full_size = share_by_vision(track);
+    if (options.is_pairwise() || at_full_size > kMost) return 1;
+    const auto all_is_done = [&](Progress at) {
+        at.fraction = 1.0;
+        progress(at);
+    };
+    ReconstructionOptions path_only = options;
+    path_only.surface = false;
+    int best = 1;
+    double best_share = at_full_size + kMinGained;
+    for (int reduction = 2; reduction <= kMaxReduction && best_share < kNearlyAll; ++reduction) {
+        if (recording.recorded_rig().cam0.width_px / reduction < kMinWidth_px) break;
+        const AttemptFolder folder(scratch);
+        recording.set_reduction(reduction);
+        recording.rewind();
+        const keyframes::KeyframeStore store(folder.path());
+        const double share =
+            share_by_vision(pipeline::track(recording, path_only, store, all_is_done));
+        if (share <= best_share) continue;
+        best = reduction;
+        best_share = share;
+    }
+    recording.set_reduction(1);
+    recording.rewind();
+    return best;
+}
+
+Finding reduced_finding(int reduction) {
+    return {Severity::Info,
+            "images_soft",
+            "mav0/cam0/data",
+            "vision lost the scene at full size and followed it in images of 1/" +
+                std::to_string(reduction) +
+                " of the size, so the dive was reconstructed at that size: turbid water, or lenses "
+                "out of focus",
+            "Go nearer, use more light from the side, or check the focus."};
+}
+
+}  // namespace divemesh::pipeline
