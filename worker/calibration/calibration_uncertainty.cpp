@@ -22,8 +22,8 @@ constexpr double kTypicalDisparity_px = 20.0;
 // The typical error of a distortion, as a share of its prior: that is wide enough to find one that
 // is far off.
 constexpr double kTypicalDistortion = 0.33;
-// Of the scale behind a flat port that no calibration in water has measured, and with a calibration
-// in the wrong medium.
+// Standard deviations of the scale, relative: the first behind a port that no calibration in water
+// has measured, the second with a calibration in the wrong medium.
 constexpr double kMediumSigma = 0.01;
 constexpr double kWrongMediumSigma = 0.25;
 constexpr double kBiasSigmas = 2.0;  // ranges are not independent of each other
