@@ -5,6 +5,7 @@
 #include <limits>
 #include <vector>
 
+#include "worker/base/instructions.hpp"
 #include "worker/fusion/tsdf_view.hpp"
 
 namespace divemesh::fusion {
@@ -28,7 +29,8 @@ public:
     static constexpr int kNumLevels = 3;
     static constexpr int tile_px(int level) { return 4 << level; }
 
-    explicit DepthRanges(const TsdfView& view);
+    explicit DepthRanges(const TsdfView& view,
+                         base::Instructions instructions = base::best_instructions());
 
     // Returns the range over some tiles of a level, ends included.
     DepthRange over(
@@ -54,7 +56,7 @@ private:
     static std::size_t index(const Level& level, int column, int row) {
         return static_cast<std::size_t>(row) * level.num_columns + column;
     }
-    void read_pixels(const TsdfView& view);
+    void read_pixels(const TsdfView& view, base::Instructions instructions);
 
     std::array<Level, kNumLevels> levels_;
     std::vector<float> farthest_m_;

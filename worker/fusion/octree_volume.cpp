@@ -16,7 +16,8 @@ constexpr int kMinViews = 2;  // a leaf counts from two views on: what only one 
 
 }  // namespace
 
-OctreeVolume::OctreeVolume(VolumeSettings settings) : Volume(std::move(settings)) {
+OctreeVolume::OctreeVolume(VolumeSettings settings)
+    : Volume(std::move(settings)), recent_(*settings_.levels) {
     const int num_levels = settings_.levels->num_levels();
     SpillSettings spill = settings_.spill;
     spill.memory_bytes /= num_levels;
@@ -60,7 +61,7 @@ PointOctree& OctreeVolume::octree_at(const Eigen::Vector3d& p_world) {
     const Eigen::Array3d leaf = p_world.array() / settings_.voxel_m;
     if (!(leaf.abs().maxCoeff() < kMaxLeaf)) return octrees_.back();
     const Eigen::Vector3i sample = (0.5 * leaf).round().matrix().cast<int>();
-    return octrees_[settings_.levels->block_at(sample).level];
+    return octrees_[recent_.at(sample).block.level];
 }
 
 void OctreeVolume::insert_four(const Eigen::Isometry3d& T_world_cam,

@@ -5,6 +5,7 @@
 
 #include "worker/base/binary_file.hpp"
 #include "worker/fusion/point_octree.hpp"
+#include "worker/fusion/recent_blocks.hpp"
 #include "worker/fusion/tsdf_volume.hpp"
 
 namespace divemesh::fusion {
@@ -40,6 +41,7 @@ private:
     PointOctree& octree_at(const Eigen::Vector3d& p_world);
 
     std::deque<PointOctree> octrees_;
+    RecentBlocks recent_;
     std::uint32_t num_views_ = 0;
 };
 

@@ -7,6 +7,7 @@
 
 #include "worker/base/parallel.hpp"
 #include "worker/fusion/packed_values.hpp"
+#include "worker/fusion/recent_blocks.hpp"
 #include "worker/fusion/volume_file.hpp"
 
 namespace divemesh::fusion {
@@ -73,31 +74,6 @@ void prefetch(const TsdfBlock* block) {
     const auto* bytes = reinterpret_cast<const char*>(block);
     for (std::size_t i = 0; i < sizeof(TsdfBlock); i += kLine) __builtin_prefetch(bytes + i, 1, 2);
 }
-
-// The blocks of a plan that a view has touched recently: most pixels lie in the same blocks as
-// their neighbours.
-class RecentBlocks {
-public:
-    explicit RecentBlocks(const LevelPlan& plan) : plan_(plan) {}
-
-    struct Place {
-        BlockCoordinate finest{INT32_MAX, 0, 0};
-        BlockCoordinate block;
-        bool is_allocated = false;
-    };
-    // Returns the place of a lattice point of level 0 and its block.
-    Place& at(const Eigen::Vector3i& sample) {
-        const BlockCoordinate finest = block_of(sample);
-        Place& place = places_[BlockCoordinateHash()(finest) % kNumPlaces];
-        if (place.finest != finest) place = {finest, plan_.block_at(sample), false};
-        return place;
-    }
-
-private:
-    static constexpr std::size_t kNumPlaces = 1024;
-    const LevelPlan& plan_;
-    std::vector<Place> places_ = std::vector<Place>(kNumPlaces);
-};
 
 TsdfView view_of(const types::Keyframe& keyframe,
                  const DepthView& depth,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
+#include <vector>
 
 #include "worker/stereo/sigma_limits.hpp"
 
@@ -53,22 +54,38 @@ struct Place {
     int nearest() const { return part < 0.5F ? first : first + 1; }
 };
 
-// Interpolates between those of four pixels that are on one surface with the nearest one.
-Estimate interpolate(const cv::Mat& disparity, const cv::Mat& sigma, Place column, Place row) {
-    const float nearest = disparity.at<float>(row.nearest(), column.nearest());
-    float weights = 0.0F, sum = 0.0F, sum_sigma = 0.0F;
-    for (int j = 0; j < 2; ++j)
-        for (int i = 0; i < 2; ++i) {
-            const float d = disparity.at<float>(row.first + j, column.first + i);
-            if (d <= 0.0F || std::abs(d - nearest) > kSameSurface_half_px) continue;
-            const float weight =
-                (i == 0 ? 1.0F - column.part : column.part) * (j == 0 ? 1.0F - row.part : row.part);
-            weights += weight;
-            sum += weight * d;
-            sum_sigma += weight * sigma.at<float>(row.first + j, column.first + i);
+// The two rows of the half size around a row of the full size.
+struct HalfRows {
+    HalfRows(const cv::Mat& disparity, const cv::Mat& sigma, Place place)
+        : nearest(disparity.ptr<float>(place.nearest())), part(place.part) {
+        for (int j = 0; j < 2; ++j) {
+            disparities[j] = disparity.ptr<float>(place.first + j);
+            sigmas[j] = sigma.ptr<float>(place.first + j);
         }
-    return {2.0F * sum / weights, std::max(2.0F * sum_sigma / weights, kMinSigma_px)};
-}
+    }
+
+    // Interpolates between those of four pixels that are on one surface with the nearest one.
+    Estimate at(Place column) const {
+        const float nearest_px = nearest[column.nearest()];
+        float weights = 0.0F, sum = 0.0F, sum_sigma = 0.0F;
+        for (int j = 0; j < 2; ++j)
+            for (int i = 0; i < 2; ++i) {
+                const float d = disparities[j][column.first + i];
+                if (d <= 0.0F || std::abs(d - nearest_px) > kSameSurface_half_px) continue;
+                const float weight =
+                    (i == 0 ? 1.0F - column.part : column.part) * (j == 0 ? 1.0F - part : part);
+                weights += weight;
+                sum += weight * d;
+                sum_sigma += weight * sigmas[j][column.first + i];
+            }
+        return {2.0F * sum / weights, std::max(2.0F * sum_sigma / weights, kMinSigma_px)};
+    }
+
+    const float* disparities[2];
+    const float* sigmas[2];
+    const float* nearest;  // the disparities of the nearer row
+    float part;            // from the first to the second
+};
 
 // Adds the disagreement of the two sizes to a sigma.
 float with_difference(float sigma_px, float difference_px) {
@@ -104,16 +121,16 @@ Estimate alone(const Estimate& half) {
 
 void combine_scales(const types::DepthMap& half, types::DepthMap& full) {
     const cv::Mat disparity = without_silhouettes(half.disparity_px);
+    std::vector<Place> columns;
+    for (int x = 0; x < full.disparity_px.cols; ++x) columns.emplace_back(x, disparity.cols);
     for (int y = 0; y < full.disparity_px.rows; ++y) {
-        const Place row(y, disparity.rows);
-        const float* nearest = disparity.ptr<float>(row.nearest());
+        const HalfRows rows(disparity, half.sigma_disparity_px, Place(y, disparity.rows));
         float* disparities_px = full.disparity_px.ptr<float>(y);
         float* sigmas_px = full.sigma_disparity_px.ptr<float>(y);
-        for (int x = 0; x < full.disparity_px.cols; ++x) {
-            const Place column(x, disparity.cols);
-            if (nearest[column.nearest()] <= 0.0F) continue;
-            const Estimate by_half = interpolate(disparity, half.sigma_disparity_px, column, row);
+        for (std::size_t x = 0; x < columns.size(); ++x) {
+            if (rows.nearest[columns[x].nearest()] <= 0.0F) continue;
             const bool known = disparities_px[x] > 0.0F;
+            const Estimate by_half = rows.at(columns[x]);
             const Estimate result =
                 known ? combined({disparities_px[x], sigmas_px[x]}, by_half) : alone(by_half);
             disparities_px[x] = result.disparity_px;

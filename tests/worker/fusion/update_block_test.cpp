@@ -85,6 +85,17 @@ TEST_F(OneView, EveryInstructionSetGivesTheSameBytes) {
                           depth_.pixels(),
                           sizeof(SurfacePixel) * depth_.rig().width_px * depth_.rig().height_px),
               0);
+    const DepthRanges plain_ranges(view_, base::Instructions::Baseline);
+    const std::size_t num_pixels = static_cast<std::size_t>(view_.width_px) * view_.height_px;
+    ASSERT_EQ(
+        std::memcmp(plain_ranges.farthest_m(), ranges_.farthest_m(), sizeof(float) * num_pixels),
+        0);
+    for (int row = 0; row < ranges_.num_rows(0); ++row)
+        for (int column = 0; column < ranges_.num_columns(0); ++column) {
+            const DepthRange& range = ranges_.around(0, column, row);
+            EXPECT_EQ(plain_ranges.around(0, column, row).nearest_m, range.nearest_m);
+            EXPECT_EQ(plain_ranges.around(0, column, row).farthest_m, range.farthest_m);
+        }
     int num_changed = 0;
     for_each_block([&](const BlockCoordinate& at) {
         const TsdfBlock before = used_block(static_cast<unsigned>(at.x + 31 * at.y + 997 * at.z));
