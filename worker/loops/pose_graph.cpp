@@ -24,7 +24,8 @@ struct Pose {
 types::SolverOutcome optimise_pose_graph(const std::vector<Loop>& loops,
                                          const DriftModel& drift,
                                          std::vector<types::Keyframe>& keyframes,
-                                         std::vector<types::Landmark>& landmarks) {
+                                         std::vector<types::Landmark>& landmarks,
+                                         int max_num_iterations) {
     std::vector<Pose> poses;
     poses.reserve(keyframes.size());
     for (const types::Keyframe& keyframe : keyframes)
@@ -63,7 +64,7 @@ types::SolverOutcome optimise_pose_graph(const std::vector<Loop>& loops,
 
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = 30;
+    options.max_num_iterations = max_num_iterations;
     options.logging_type = ceres::SILENT;
     options.num_threads = 1;
     ceres::Solver::Summary summary;

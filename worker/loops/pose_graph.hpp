@@ -15,6 +15,7 @@ namespace divemesh::loops {
 types::SolverOutcome optimise_pose_graph(const std::vector<Loop>& loops,
                                          const DriftModel& drift,
                                          std::vector<types::Keyframe>& keyframes,
-                                         std::vector<types::Landmark>& landmarks);
+                                         std::vector<types::Landmark>& landmarks,
+                                         int max_num_iterations = 30);
 
 }  // namespace divemesh::loops
