@@ -40,6 +40,7 @@ constexpr Row kRows[] = {
     {"scene_too_near",              "surface"},
     {"camera_unsharp",              "surface"},
     {"images_bayer",                "surface"},
+    {"images_soft",                 "surface"},
     {"images_featureless",          "surface"},
     {"bounds_unknown",              "accuracy"},
     {"calibration_not_converged",   "accuracy"},

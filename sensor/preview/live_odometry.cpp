@@ -60,9 +60,13 @@ void LiveOdometry::add(const types::StereoFrame& before, const types::StereoFram
         ++num_lost_;
         return;
     }
-    const Eigen::Isometry3d T_current_previous =
-        odometry::refine_pose(rig, found.inliers, {found.T_current_previous, {}, 0.0})
-            .T_current_previous;
+    const auto refined =
+        odometry::refine_pose(rig, found.inliers, {found.T_current_previous, {}, 0.0});
+    if (refined.outcome.failed()) {
+        ++num_lost_;
+        return;
+    }
+    const Eigen::Isometry3d& T_current_previous = refined.T_current_previous;
     const Motion motion{now.timestamp_ns,
                         vector_of(T_current_previous) / interval_s,
                         odometry::motion_covariance(rig, found.inliers, T_current_previous) /

@@ -61,7 +61,13 @@ function(check_file file folder)
   endforeach()
 endfunction()
 
-# One CMakeLists.txt and one target for each folder of worker/.
+# One CMakeLists.txt and one target for each folder of worker/, and a layer for each.
+file(GLOB folders RELATIVE ${SOURCE_DIRECTORY}/worker ${SOURCE_DIRECTORY}/worker/*)
+foreach(folder IN LISTS folders)
+  if(IS_DIRECTORY ${SOURCE_DIRECTORY}/worker/${folder} AND NOT folder IN_LIST worker_layers)
+    message(SEND_ERROR "worker/${folder}: no layer in layers.cmake")
+  endif()
+endforeach()
 foreach(layer IN LISTS worker_layers)
   set(lists ${SOURCE_DIRECTORY}/worker/${layer}/CMakeLists.txt)
   if(NOT EXISTS ${lists})

@@ -91,7 +91,7 @@ cv::Mat remapped(const cv::Mat& image, const cv::Mat (&map)[2]) {
 
 }  // namespace
 
-Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern) {
+types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pattern) {
     const Eigen::Isometry3d T_cam0_cam1 = rig.T_cam1_cam0().inverse();
     if (T_cam0_cam1.translation().x() <= 0.0)
         throw Error(ErrorCode::BadData,
@@ -103,6 +103,7 @@ Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern) {
     const Extent whole = extent_of(rig, scene_part(rig.cam0, {}), lenses);
     const double width = rig.cam0.width_px - 1.0;
     const double height = rig.cam0.height_px - 1.0;
+    types::RectifiedRig rectified;
     // The widest field of view without empty borders. Where black surrounds the scene, the scene is
     // in the middle, and not enlarged; empty borders belong to the fixed pattern then. Of a fisheye
     // only the middle: at half of its focal length, 72 degrees to both sides at an image width of
@@ -111,25 +112,31 @@ Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern) {
                           (rig.cam0.fx_px + rig.cam0.fy_px + rig.cam1.fx_px + rig.cam1.fy_px);
     const double covering = std::min(covering_px(extent, width, height),
                                      std::max(native, covering_px(whole, width, height)));
-    rig_.focal_px = std::max(covering, 0.5 * native);
-    if (!std::isfinite(rig_.focal_px) || extent.right <= extent.left ||
-        extent.bottom <= extent.top || rig_.focal_px > 4.0 * native)
+    rectified.focal_px = std::max(covering, 0.5 * native);
+    if (!std::isfinite(rectified.focal_px) || extent.right <= extent.left ||
+        extent.bottom <= extent.top || rectified.focal_px > 4.0 * native)
         throw Error(ErrorCode::BadData,
                     "the fields of view of the two cameras hardly overlap: check T_BS and "
                     "intrinsics of cam0 and cam1");
-    rig_.width_px = rig.cam0.width_px;
-    rig_.height_px = rig.cam0.height_px;
-    const bool is_middle = rig_.focal_px > covering;
+    rectified.width_px = rig.cam0.width_px;
+    rectified.height_px = rig.cam0.height_px;
+    const bool is_middle = rectified.focal_px > covering;
     const auto middle = [&](double begin, double end, double size) {
         if (!is_middle) return 0.5 * (begin + end);
-        const double half = 0.5 * size / rig_.focal_px;
+        const double half = 0.5 * size / rectified.focal_px;
         return std::clamp(0.0, begin + half, end - half);  // of all in view the nearest to the axis
     };
-    rig_.cx_px = 0.5 * width - rig_.focal_px * middle(extent.left, extent.right, width);
-    rig_.cy_px = 0.5 * height - rig_.focal_px * middle(extent.top, extent.bottom, height);
-    rig_.baseline_m = rig.baseline_m();
-    rig_.T_imu_cam = rig.T_imu_cam0;
-    rig_.T_imu_cam.linear() = rig.T_imu_cam0.linear() * left.R_camera_rectified;
+    rectified.cx_px = 0.5 * width - rectified.focal_px * middle(extent.left, extent.right, width);
+    rectified.cy_px = 0.5 * height - rectified.focal_px * middle(extent.top, extent.bottom, height);
+    rectified.baseline_m = rig.baseline_m();
+    rectified.T_imu_cam = rig.T_imu_cam0;
+    rectified.T_imu_cam.linear() = rig.T_imu_cam0.linear() * left.R_camera_rectified;
+    return rectified;
+}
+
+Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern)
+    : rig_(rectified_rig(rig, fixed_pattern)) {
+    const auto [left, right] = rectified_lenses(rig);
     make_map(left, rig_, left_map_);
     make_map(right, rig_, right_map_);
     if (!fixed_pattern.empty())

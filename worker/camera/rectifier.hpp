@@ -9,6 +9,10 @@
 
 namespace divemesh::camera {
 
+// Returns the rig of rectified images: the widest field of view that both cameras have of what is
+// no fixed pattern. Throws Error{BadData} as the constructor of Rectifier does.
+types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pattern = {});
+
 // The rectification of a pair: undistorts both images and rotates them into one plane (Bouguet's
 // method, as OpenCV's stereoRectify). The constructor throws Error{BadData} if the right camera is
 // not on the right or the fields of view hardly overlap. Each frame gets `fixed_pattern`

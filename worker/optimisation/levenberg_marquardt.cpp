@@ -77,11 +77,14 @@ types::SolverOutcome levenberg_marquardt(FactorGraph& graph, int max_iterations,
     outcome.message = "the cost was still falling after the last iteration";
     double damping = kFirstDamping;
     double growth = 2.0;
+    double first_expected = 0.0;
+    bool any_taken = false;
     for (int i = 0; i < max_iterations && damping < kMaxDamping; ++i) {
         ++outcome.num_iterations;
         const auto step = equations.step(damping);
         const Values before(graph);
         std::optional<double> cost;
+        if (i == 0 && step) first_expected = step->expected_decrease;
         if (step) {
             move(graph, columns, *step);
             cost = cost_of(graph);
@@ -93,6 +96,7 @@ types::SolverOutcome levenberg_marquardt(FactorGraph& graph, int max_iterations,
             growth *= 2.0;
             continue;
         }
+        any_taken = true;
         outcome.final_cost = *cost;
         outcome.last_decrease = decrease / *cost;
         if (decrease <= tolerance * *cost) {
@@ -105,7 +109,10 @@ types::SolverOutcome levenberg_marquardt(FactorGraph& graph, int max_iterations,
         growth = 2.0;
         if (i + 1 < max_iterations) equations.linearise();
     }
-    if (damping >= kMaxDamping) {
+    if (!any_taken && first_expected > 0.0 && first_expected <= tolerance * outcome.initial_cost) {
+        outcome.termination = Termination::Converged;
+        outcome.message = "no step can lower the cost by more than next to nothing";
+    } else if (!any_taken || damping >= kMaxDamping) {
         outcome.termination = Termination::Failed;
         outcome.message = "no step lowered the cost";
     }

@@ -34,8 +34,8 @@ constexpr int kMinRanges = 100;
 constexpr double kMaxInliersLost = 0.02;  // share of the matches
 // Shares of the errors. A right medium left 0.16 to 0.26 of both (product), a wrong one 0.55 and
 // more.
-constexpr double kBetter = 0.7;
-constexpr double kMuchBetter = 0.4;
+constexpr double kMaxErrorRatio = 0.7;
+constexpr double kMaxErrorProduct = 0.4;
 
 // Returns i as a fraction with its binary digits reversed: any first few are spread evenly over
 // [0, 1) (van der Corput 1935).
@@ -64,7 +64,7 @@ public:
         : recording_(recording),
           rectifier_(rig, recording.fixed_pattern()),
           lenses_(camera::rectified_lenses(rig)),
-          stated_rectified_(camera::Rectifier(stated, recording.fixed_pattern()).rig()),
+          stated_rectified_(camera::rectified_rig(stated, recording.fixed_pattern())),
           stated_lenses_(camera::rectified_lenses(stated)) {}
 
     types::StereoMatches matches(int frame_index) const {
@@ -116,8 +116,7 @@ types::RigAlignment align_rows(const types::Recording& recording,
                                const types::Rig& stated,
                                int num_threads,
                                const base::ProgressCallback& progress) {
-    const types::RectifiedRig rectified =
-        camera::Rectifier(stated, recording.fixed_pattern()).rig();
+    const types::RectifiedRig rectified = camera::rectified_rig(stated, recording.fixed_pattern());
     const auto estimate = [&](const types::Rig& rig) {
         const PairMatcher matcher(recording, stated, rig);
         return calibration::estimate_rig_alignment(
@@ -171,7 +170,7 @@ calibration::RangeSolution align_ranges(const types::Recording& recording,
     return ranges;
 }
 
-bool is_told(const types::RigAlignment& alignment) {
+bool images_tell(const types::RigAlignment& alignment) {
     using Outcome = types::RigAlignment::Outcome;
     return alignment.outcome == Outcome::AsStated || alignment.outcome == Outcome::Moved;
 }
@@ -198,7 +197,7 @@ Aligned aligned(const types::Recording& recording,
     using Outcome = types::RigAlignment::Outcome;
     const types::RigAlignment rows = align_rows(recording, stated, num_threads, progress);
     Aligned result{rows};
-    if (!is_told(rows)) return result;
+    if (!images_tell(rows)) return result;
     types::RigAlignment& alignment = result.alignment;
     if (rows.outcome == Outcome::AsStated) {  // reported, never applied
         alignment.change = {};
@@ -210,7 +209,7 @@ Aligned aligned(const types::Recording& recording,
         alignment.change = rows.change;
         alignment.sigmas = rows.sigmas;
     }
-    const double focal_px = camera::Rectifier(stated, recording.fixed_pattern()).rig().focal_px;
+    const double focal_px = camera::rectified_rig(stated, recording.fixed_pattern()).focal_px;
     result.num_ranges = ranges.num_matches;
     result.disparity_bias_rad = ranges.bias_px / focal_px;
     result.range_error_rad = ranges.error_px / focal_px;
@@ -244,7 +243,7 @@ bool fits_much_better(const Aligned& other, const Aligned& as_stated) {
         return false;
     const double ranges = other.range_error_rad / as_stated.range_error_rad;
     const double rows = other.row_error_rad / as_stated.row_error_rad;
-    return std::max(ranges, rows) < kBetter && ranges * rows < kMuchBetter;
+    return std::max(ranges, rows) < kMaxErrorRatio && ranges * rows < kMaxErrorProduct;
 }
 
 // Returns the cameras aligned in the medium that fits best, or as stated.

@@ -21,7 +21,9 @@ void KeyframeMap::add(const types::RectifiedFrame& frame,
     sliding_window_.add_keyframe(
         keyframe, features, inertial.readings(before_ns, frame.timestamp_ns));
     if (first) return;
-    solver_.add(sliding_window_.adjust());
+    const types::SolverOutcome outcome = sliding_window_.adjust();
+    solver_.add(outcome);
+    if (outcome.failed()) return;  // the motion model goes on
     motion.correct(sliding_window_.T_world_cam());
     if (inertial.has_accelerometer() &&
         sliding_window_.keyframes().size() >= kMinKeyframesForInertia)

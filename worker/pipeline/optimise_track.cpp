@@ -207,7 +207,8 @@ void TrackOptimiser::leave_as_tracked() {
          "path is given as it was tracked, without bounds",
          "check the calibration of the cameras and the inertial unit"});
     types::Track closed = closed_track();
-    result_.statistics.check.after = result_.statistics.check.before;
+    types::TrackCheck& check = result_.statistics.check;
+    check = {check.before, check.before, 0.0};  // of the result, not of what was rejected
     optimisation::GlobalBundleAdjustment unadjusted;
     unadjusted.reprojection_rms_px = result_.statistics.check.before.reprojection_rms_px;
     take(closed, unadjusted);

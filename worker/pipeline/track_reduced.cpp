@@ -12,7 +12,7 @@ namespace {
 constexpr int kMaxReduction = 4;
 constexpr int kMinWidth_px = 320;  // of reduced images
 // Shares of the frames that vision followed.
-constexpr double kMost = 0.5;
+constexpr double kMaxAtFullSize = 0.5;
 constexpr double kNearlyAll = 0.9;
 constexpr double kMinGained = 0.25;
 
@@ -47,7 +47,8 @@ int better_reduction(const types::Track& track,
                      AlignedRecording& recording,
                      const base::ProgressCallback& progress) {
     const double at_full_size = share_by_vision(track);
-    if (options.is_pairwise() || at_full_size > kMost) return 1;
+    if (options.is_pairwise() || track.motions.size() < 2 || at_full_size > kMaxAtFullSize)
+        return 1;
     const auto all_is_done = [&](Progress at) {
         at.fraction = 1.0;
         progress(at);
@@ -74,14 +75,15 @@ int better_reduction(const types::Track& track,
 }
 
 Finding reduced_finding(int reduction) {
-    return {Severity::Info,
-            "images_soft",
-            "mav0/cam0/data",
-            "vision lost the scene at full size and followed it in images of 1/" +
-                std::to_string(reduction) +
-                " of the size, so the dive was reconstructed at that size: turbid water, or lenses "
-                "out of focus",
-            "Go nearer, use more light from the side, or check the focus."};
+    return {
+        Severity::Warning,
+        "images_soft",
+        "mav0/cam0/data",
+        "vision lost the scene at full size and followed it in images of 1/" +
+            std::to_string(reduction) +
+            " of the size, so the dive was reconstructed at that size and its surface is coarser: "
+            "turbid water, or lenses out of focus",
+        "go nearer, use more light from the side, or check the focus"};
 }
 
 }  // namespace divemesh::pipeline

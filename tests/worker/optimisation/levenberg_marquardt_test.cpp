@@ -129,6 +129,45 @@ TEST(LevenbergMarquardtTest, SaysThatItFailedWhereTheCostIsNotANumber) {
     EXPECT_EQ(outcome.num_iterations, 0);
 }
 
+// One plus the square of an unknown, with a derivative that is right or has the wrong sign.
+class OnePlusSquare : public ceres::SizedCostFunction<2, 1> {
+public:
+    explicit OnePlusSquare(double slope) : slope_(slope) {}
+    bool Evaluate(const double* const* x, double* residuals, double** jacobians) const override {
+        residuals[0] = x[0][0];
+        residuals[1] = 1.0;
+        if (jacobians != nullptr && jacobians[0] != nullptr) {
+            jacobians[0][0] = slope_;
+            jacobians[0][1] = 0.0;
+        }
+        return true;
+    }
+
+private:
+    double slope_;
+};
+
+types::SolverOutcome solve_square(double& x, double slope) {
+    FactorGraph graph(1.0);
+    graph.add_factor(std::make_unique<OnePlusSquare>(slope), nullptr, {&x});
+    return levenberg_marquardt(graph, 6, 1e-6);
+}
+
+TEST(LevenbergMarquardtTest, SaysThatItFailedWhereNoStepLowersTheCost) {
+    double x = 2.0;
+    const types::SolverOutcome outcome = solve_square(x, -1.0);
+    EXPECT_TRUE(outcome.failed()) << outcome.message;
+    EXPECT_DOUBLE_EQ(outcome.final_cost, outcome.initial_cost);
+    EXPECT_DOUBLE_EQ(x, 2.0);
+}
+
+TEST(LevenbergMarquardtTest, SaysThatItConvergedWhereItBegan) {
+    double x = 1e-12;
+    const types::SolverOutcome outcome = solve_square(x, 1.0);
+    EXPECT_EQ(outcome.termination, types::SolverOutcome::Termination::Converged) << outcome.message;
+    EXPECT_DOUBLE_EQ(outcome.final_cost, outcome.initial_cost);
+}
+
 TEST(LevenbergMarquardtTest, GivesTheSameBitsAgain) {
     const auto solve = [](BundleAdjustment& bundle_adjustment) {
         bundle_adjustment.solve_dense(6);

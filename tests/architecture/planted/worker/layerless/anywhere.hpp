@@ -1,0 +1,5 @@
+#pragma once
+
+struct Anywhere {
+    int value = 0;
+};
