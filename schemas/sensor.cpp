@@ -117,10 +117,9 @@ void to_json(nlohmann::json& json, const SensorHistory& history) {
         return values;
     };
     for (std::size_t i = 0; i < history.fields.size(); ++i)
-        json["fields"][history.fields[i]] = {
-            {"least", column(i, &SensorHistory::Value::least)},
-            {"mean", column(i, &SensorHistory::Value::mean)},
-            {"largest", column(i, &SensorHistory::Value::largest)}};
+        json["fields"][history.fields[i]] = {{"least", column(i, &SensorHistory::Value::min)},
+                                             {"mean", column(i, &SensorHistory::Value::mean)},
+                                             {"largest", column(i, &SensorHistory::Value::max)}};
 }
 
 void to_json(nlohmann::json& json, const SensorAnswer& answer) {

@@ -87,9 +87,9 @@ struct SensorAnswer {
 struct SensorHistory {
     // One field in one step. Keeps min and max, so that thinning hides no peak.
     struct Value {
-        double least = 0.0;
+        double min = 0.0;
         double mean = 0.0;
-        double largest = 0.0;
+        double max = 0.0;
     };
     struct Step {
         std::int64_t time_ms = 0;  // of its beginning

@@ -40,8 +40,8 @@ struct EventSocket {
     bool has_pending = true;  // there may be events it has not received
 };
 
-// Wakes the socket, on its strand, when the event hub or the sensor hub has news, until it is
-// destroyed.
+// Wakes the socket, on its strand, when the event hub or the sensor hub has something new, until it
+// is destroyed.
 class Watching {
 public:
     Watching(EventHub& hub,
@@ -117,7 +117,7 @@ asio::awaitable<bool> send_sensor_frames(std::shared_ptr<EventSocket> events,
     co_return true;
 }
 
-// Waits for news, or until the next sensor frame is due.
+// Waits for something new, or until the next sensor frame is due.
 asio::awaitable<void> wait_for_change(std::shared_ptr<EventSocket> events,
                                       Clock::time_point next_at) {
     if (std::exchange(events->has_pending, false)) co_return;

@@ -67,8 +67,7 @@ AttemptEnd end_of_expired(const ExpiredJob& expired) {
 std::int64_t pause_ms(const RetryPause& pause, int num_attempts) {
     static thread_local std::mt19937_64 random{std::random_device{}()};
     const int doublings = std::clamp(num_attempts - 1, 0, 20);
-    const auto full =
-        std::min<std::int64_t>(pause.first.count() << doublings, pause.longest.count());
+    const auto full = std::min<std::int64_t>(pause.first.count() << doublings, pause.max.count());
     return std::uniform_int_distribution<std::int64_t>(full / 2, full)(random);
 }
 

@@ -34,10 +34,10 @@ const std::string kFullQueues =
     "   AND running.kind <> 'intake'"
     "   AND (queues.project = '' OR running.project = queues.project)))";
 
-// A retry is never due later than :patience from now. If it seems so, the clock was set back.
+// A retry is never due later than :max_pause from now. If it seems so, the clock was set back.
 const std::string kStartable =
     " FROM jobs WHERE state = 'queued'"
-    " AND (not_before_ms <= :now OR not_before_ms > :now + :patience)"
+    " AND (not_before_ms <= :now OR not_before_ms > :now + :max_pause)"
     " AND '' NOT IN " +
     kPausedQueues + " AND project NOT IN " + kPausedQueues +
     " AND (kind = 'intake' OR ('' NOT IN " + kFullQueues + " AND project NOT IN " + kFullQueues +
@@ -49,13 +49,13 @@ const std::string kEndingWrong =
     " FROM jobs WHERE state = 'running'"
     " AND (lease_expires_at_ms <= :now OR lease_expires_at_ms > :now + lease_ms)";
 
-bool has_work(soci::session& session, const std::string& worker, std::int64_t patience_ms) {
+bool has_work(soci::session& session, const std::string& worker, std::int64_t max_pause_ms) {
     const std::int64_t now_ms = Catalog::now_ms(session);
     const auto work = select_one<TextRow>(session,
                                           "SELECT '' WHERE EXISTS (SELECT 1" + kStartable +
                                               ") OR EXISTS (SELECT 1" + kEndingWrong + ")",
                                           soci::use(now_ms, "now"),
-                                          soci::use(patience_ms, "patience"),
+                                          soci::use(max_pause_ms, "max_pause"),
                                           soci::use(worker, "worker"));
     return work.has_value();
 }
@@ -88,7 +88,7 @@ int end_expired(soci::session& session) {
 std::optional<Lease> take_next(soci::session& session,
                                const std::string& worker,
                                std::chrono::milliseconds duration,
-                               std::int64_t patience_ms) {
+                               std::int64_t max_pause_ms) {
     struct LeaseRow {
         Lease lease;
         void define(soci::statement& statement) {
@@ -112,7 +112,7 @@ std::optional<Lease> take_next(soci::session& session,
         soci::use(lease_id, "lease"),
         soci::use(lease_ms, "duration"),
         soci::use(now_ms, "now"),
-        soci::use(patience_ms, "patience"),
+        soci::use(max_pause_ms, "max_pause"),
         soci::use(worker, "worker"));
 }
 
@@ -220,15 +220,15 @@ bool JobStore::with_lease(const Lease& lease,
 }
 
 std::optional<Claim> JobStore::claim(const std::string& worker, std::chrono::milliseconds lease) {
-    const std::int64_t patience_ms = pause_.longest.count();
+    const std::int64_t max_pause_ms = pause_.max.count();
     bool found = false;  // read without the write lock, because most polls find no job
-    catalog_.read([&](soci::session& session) { found = has_work(session, worker, patience_ms); });
+    catalog_.read([&](soci::session& session) { found = has_work(session, worker, max_pause_ms); });
     if (!found) return std::nullopt;
 
     std::optional<Claim> claim;
     catalog_.transaction([&](soci::session& session) {
         end_expired(session);
-        const auto taken = take_next(session, worker, lease, patience_ms);
+        const auto taken = take_next(session, worker, lease, max_pause_ms);
         if (!taken) return;
         insert_attempt(session, *taken, worker);
         append_job_event(session, taken->job_id, "job.state");

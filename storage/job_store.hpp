@@ -80,7 +80,7 @@ struct PartialResult {
 // half at random.
 struct RetryPause {
     std::chrono::milliseconds first = std::chrono::seconds(5);
-    std::chrono::milliseconds longest = std::chrono::minutes(10);
+    std::chrono::milliseconds max = std::chrono::minutes(10);
 };
 
 // The jobs table with attempts and artifacts. Every change is one transaction with its event. Times

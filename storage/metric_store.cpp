@@ -211,7 +211,7 @@ Earlier earlier_metrics(soci::session& session, const MetricSeries& series) {
                    ":dive = :dive AND dive_id IN (SELECT dive_id FROM dive_tags WHERE tag = :tag)");
     for (const auto& [name, values] : of_tag) {
         std::vector<double>& own = earlier[name];
-        if (own.size() < kEnoughEarlier) own = values;
+        if (own.size() < kMinEarlier) own = values;
     }
     return earlier;
 }

@@ -62,8 +62,8 @@ struct MetricSeries {
 };
 
 // Returns the newest values of each metric, oldest first: of the dive itself if there are at least
-// kEnoughEarlier, otherwise of the tag.
-inline constexpr std::size_t kEnoughEarlier = 5;
+// kMinEarlier, otherwise of the tag.
+inline constexpr std::size_t kMinEarlier = 5;
 std::map<std::string, std::vector<double>> earlier_metrics(soci::session& session,
                                                            const MetricSeries& series);
 

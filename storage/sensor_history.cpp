@@ -50,8 +50,8 @@ public:
             if (known[i] != soci::i_ok) continue;
             if (!step.values[i]) step.values[i] = {values[i], 0.0, values[i]};
             SensorHistory::Value& value = *step.values[i];
-            value.least = std::min(value.least, values[i]);
-            value.largest = std::max(value.largest, values[i]);
+            value.min = std::min(value.min, values[i]);
+            value.max = std::max(value.max, values[i]);
             value.mean += (values[i] - value.mean) / static_cast<double>(++counts_[i]);
         }
     }

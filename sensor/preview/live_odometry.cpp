@@ -121,12 +121,12 @@ void LiveOdometry::advance(const Motion& from, const Motion& to) {
 
 // Estimates q from the distance of an assessment to the line between the ones before and after it,
 // minus its own errors: the variance of a Brownian bridge there is q a b / (a + b).
-void LiveOdometry::learn_unrest(const Motion& before, const Motion& look, const Motion& after) {
-    const double a = seconds_between(before.timestamp_ns, look.timestamp_ns);
-    const double b = seconds_between(look.timestamp_ns, after.timestamp_ns);
+void LiveOdometry::learn_unrest(const Motion& before, const Motion& middle, const Motion& after) {
+    const double a = seconds_between(before.timestamp_ns, middle.timestamp_ns);
+    const double b = seconds_between(middle.timestamp_ns, after.timestamp_ns);
     const double share = a / (a + b);
-    const Vector6d missed = look.rate - (1.0 - share) * before.rate - share * after.rate;
-    const Vector6d noise = look.covariance.diagonal() +
+    const Vector6d missed = middle.rate - (1.0 - share) * before.rate - share * after.rate;
+    const Vector6d noise = middle.covariance.diagonal() +
                            (1.0 - share) * (1.0 - share) * before.covariance.diagonal() +
                            share * share * after.covariance.diagonal();
     unrest_ += (missed.cwiseAbs2() - noise) / (share * b);

@@ -51,7 +51,7 @@ private:
                                 const types::StereoFrame& now,
                                 const Eigen::Isometry3d& guess);
     void advance(const Motion& from, const Motion& to);
-    void learn_unrest(const Motion& before, const Motion& look, const Motion& after);
+    void learn_unrest(const Motion& before, const Motion& middle, const Motion& after);
     void add_error(const Eigen::Isometry3d& T_current_previous, const Matrix6d& covariance);
     void show(const odometry::PointPairs& pairs);
 

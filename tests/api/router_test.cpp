@@ -46,6 +46,7 @@ TEST(RouterTest, ServesHeadByTheRouteOfGetAndNamesTheMethodsOtherwise) {
 }
 
 TEST(RouterTest, GuardsEveryRouteOfTheApiWithAScope) {
+    ASSERT_FALSE(routes().empty());
     for (const Route& route : routes()) {
         const bool open = route.method == verb::options ||
                           (!route.path.starts_with("/api/") && route.path != "/metrics");

@@ -1,6 +1,6 @@
 #!/bin/bash
 # The paper's figure 2 again: a plane of 6 m, its lenses stated wrong (k1 times 1.1), reconstructed
-# with and without inertial unit and AHRS, lenses as given and refined. Prints one JSON line for
+# with and without IMU and AHRS, lenses as given and refined. Prints one JSON line for
 # each: how far the surface is from a plane (RMS, m), how much of that bends it
 # along the way, and the error of the path.
 #   tests/bench/bent_bed.sh [--preset NAME] [--pictures DIR] [--cache DIR]

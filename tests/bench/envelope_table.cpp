@@ -11,7 +11,7 @@ std::string number(const json& value, int digits) {
     return value.is_number() ? fmt::format("{:.{}f}", value.get<double>(), digits) : "-";
 }
 
-// "median (worst)"; one figure where both are one run's.
+// "median (worst)"; one value where both are one run's.
 std::string both(const json& spread, int digits, double times = 1.0) {
     if (!spread["median"].is_number()) return "-";
     const std::string median = number(times * spread["median"].get<double>(), digits);

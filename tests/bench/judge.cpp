@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
+
+#include "worker/stats/median.hpp"
 
 namespace divemesh::bench {
 namespace {
@@ -47,11 +50,7 @@ double condense(const Goal& goal, const std::vector<double>& values) {
 
 }  // namespace
 
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const std::size_t middle = values.size() / 2;
-    return values.size() % 2 == 1 ? values[middle] : 0.5 * (values[middle - 1] + values[middle]);
-}
+double median(std::vector<double> values) { return stats::median(std::move(values)); }
 
 json judge(const Goal& goal, const json& runs) {
     std::vector<double> values;

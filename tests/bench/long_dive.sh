@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Makes a dive of many closed laps at the price of one: each lap has the pictures of the first, by
-# hard links, and an inertial unit, pressure and truth of its own. For memory and time of long dives
+# hard links, and an IMU, pressure and truth of its own. For memory and time of long dives
 # (docs/benchmarks.md): what a lap adds in noise to the surface is not in it.
 #
 #   tests/bench/long_dive.sh DIVEMESH OUT [LAPS]

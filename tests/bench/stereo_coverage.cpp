@@ -62,11 +62,11 @@ cv::Mat in_colors(const cv::Mat& disparity_px, int num_disparities) {
 }
 
 // Left image, our disparity, its sigma up to 4 px, and OpenCV's disparity.
-void write_picture(const fs::path& file,
-                   const types::RectifiedFrame& frame,
-                   const types::DepthMap& own,
-                   const cv::Mat& rival,
-                   int num_disparities) {
+void write_image(const fs::path& file,
+                 const types::RectifiedFrame& frame,
+                 const types::DepthMap& own,
+                 const cv::Mat& rival,
+                 int num_disparities) {
     cv::Mat left;
     cv::cvtColor(frame.left, left, cv::COLOR_GRAY2BGR);
     cv::Mat above;
@@ -117,12 +117,12 @@ json compare_coverage(const fs::path& dive, const CoverageOptions& options) {
         own_share += pairs.back()["own"].get<double>();
         rival_share += pairs.back()["sgbm"].get<double>();
         if (!options.pictures.empty())
-            write_picture(options.pictures /
-                              (dive.filename().string() + "_" + std::to_string(index) + ".png"),
-                          frame,
-                          own,
-                          rival,
-                          options.num_disparities_px);
+            write_image(options.pictures /
+                            (dive.filename().string() + "_" + std::to_string(index) + ".png"),
+                        frame,
+                        own,
+                        rival,
+                        options.num_disparities_px);
     }
     const auto num = static_cast<double>(std::max<std::size_t>(1, pairs.size()));
     return {{"dive", dive.filename().string()},

@@ -1,7 +1,7 @@
 #include "tests/fuzz/input.hpp"
 #include "worker/dive/calibration.hpp"
 
-// sensor.yaml of a camera and of an inertial unit, up to what the reconstruction is told.
+// sensor.yaml of a camera and of an IMU, up to what the reconstruction is told.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     divemesh::dive::FindingLog findings;
     const std::string file = "sensor.yaml";

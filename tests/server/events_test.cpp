@@ -93,7 +93,7 @@ TEST(EventsTest, TellsOnlyOfTheTokensProject) {
 }
 
 // A15, S23
-TEST(EventsTest, ASlowReaderDelaysNobodyAndLosesNothing) {
+TEST(EventsTest, ASlowReaderDelaysNoOtherReaderAndLosesNothing) {
     server::ServerConfig config;
     config.timeouts.web_socket = 300s;  // the slow one answers no ping while it does not read
     TestServer server(config);

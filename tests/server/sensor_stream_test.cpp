@@ -42,7 +42,7 @@ TEST_F(SensorStreamTest, ManyAtOnceAreWrittenTogetherAndAllAnswered) {
 }
 
 // S34: three seconds of a device that says a thousand things a second, all in one.
-TEST_F(SensorStreamTest, AFloodIsTakenAndKeepsNobodyElseWaiting) {
+TEST_F(SensorStreamTest, AFloodIsTakenAndKeepsNoOtherSensorWaiting) {
     constexpr int kMany = 3'000;
     const std::string other = sensor_token("other");
     WebSocketClient sensor = stream();

@@ -186,7 +186,7 @@ TEST_F(WebhookTest, TriesAgainLaterAndRedeliversOnDemand) {
     EXPECT_EQ(delivery(webhook, "state", "delivered")["id"], failed["id"]);
 }
 
-TEST_F(WebhookTest, ADeadReceiverDelaysNobodyElse) {
+TEST_F(WebhookTest, ADeadReceiverDelaysNoOtherReceiver) {
     const SilentReceiver dead;
     const auto to_dead = create(dead.url());
     const Receiver receiver(204);

@@ -185,7 +185,7 @@ TEST_F(JobLeaseTest, OtherFailuresAreTriedAgainUntilTheAttemptsAreUsedUp) {
 }
 
 TEST_F(JobLeaseTest, PausesGrowAndDifferBetweenJobs) {
-    JobStore patient(catalog_, {.first = std::chrono::hours(1), .longest = std::chrono::hours(10)});
+    JobStore patient(catalog_, {.first = std::chrono::hours(1), .max = std::chrono::hours(10)});
     const Job job = enqueue(ready_dive());
     patient.fail(claim().lease, {ErrorCode::Unavailable, "no network"});
 

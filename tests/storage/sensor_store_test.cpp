@@ -282,12 +282,12 @@ TEST_F(SensorStoreTest, ThinnedHistoryHasThePeaksAndMeansOfTheWhole) {
         EXPECT_EQ(step.num_statuses, 100);
         const auto first = depths.begin() + static_cast<std::ptrdiff_t>(100 * i);
         const auto& depth = step.values.at(0).value();
-        EXPECT_EQ(depth.least, *std::min_element(first, first + 100));
-        EXPECT_EQ(depth.largest, *std::max_element(first, first + 100));
+        EXPECT_EQ(depth.min, *std::min_element(first, first + 100));
+        EXPECT_EQ(depth.max, *std::max_element(first, first + 100));
         EXPECT_NEAR(depth.mean, std::accumulate(first, first + 100, 0.0) / 100.0, 1e-9);
         EXPECT_EQ(step.values.at(1).has_value(), i == 6);
     }
-    EXPECT_EQ(history.steps[6].values[1]->largest, 1.0);
+    EXPECT_EQ(history.steps[6].values[1]->max, 1.0);
     EXPECT_THROW(read_history(catalog_, {"aqua", 0, 10, 10, {"battery; DROP TABLE"}}), Error);
     EXPECT_THROW(read_history(catalog_, {"aqua", 10, 10, 10, {}}), Error);
 }

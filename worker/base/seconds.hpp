@@ -5,6 +5,7 @@
 
 namespace divemesh::base {
 
+// Returns seconds.
 inline double to_s(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * 1e-9; }
 
 // Returns whole nanoseconds, rounded to the nearest.

@@ -111,14 +111,14 @@ private:
     LensShifts right_;
 };
 
-// Returns true if the images have told how the right camera stands, and this is how it is used.
+// Returns true if the right camera's pose was estimated and is used as estimated.
 bool is_aligned(const types::RigAlignment& alignment) {
     using Outcome = types::RigAlignment::Outcome;
     return alignment.outcome == Outcome::AsStated ||
            (alignment.outcome == Outcome::Moved && alignment.applied);
 }
 
-// Returns the prior of the lenses, given what ranges told of the disparities in the centre.
+// Returns the prior of the lenses, given what ranges determined of the disparities in the centre.
 LensCovariance without_refinement(const types::Rig& rig,
                                   const Eigen::Matrix3Xd& shift_in_centre,
                                   const types::RigAlignment& alignment) {

@@ -159,18 +159,18 @@ private:
     }
 
     void reweight() {
-        std::vector<double> sizes;
+        std::vector<double> norms;
         for (const Window& window : windows_)
-            for (const Sample& sample : window.samples) sizes.push_back(size_of(sample, window));
-        if (sizes.empty()) return;
-        error_px_ = std::max(kMinError_px, stats::upper_median(sizes) / stats::kMedianNormOfThree);
-        auto size = sizes.begin();
+            for (const Sample& sample : window.samples) norms.push_back(norm_of(sample, window));
+        if (norms.empty()) return;
+        error_px_ = std::max(kMinError_px, stats::upper_median(norms) / stats::kMedianNormOfThree);
+        auto norm = norms.begin();
         for (Window& window : windows_)
             for (double& weight : window.weights)
-                weight = stats::tukey_weight(*size++, stats::kTukey * error_px_);
+                weight = stats::tukey_weight(*norm++, stats::kTukey * error_px_);
     }
 
-    double size_of(const Sample& sample, const Window& window) const {
+    double norm_of(const Sample& sample, const Window& window) const {
         return noise_factor(sample, window)
             .triangularView<Eigen::Lower>()
             .solve(residual(sample, window.T_after_before, values_))

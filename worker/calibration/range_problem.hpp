@@ -36,8 +36,8 @@ struct RangeSolution {
     double bias_sigma_px = 0.0;
 };
 
-// Returns what makes the ranges of one scene agree from view to view: a yaw of the right camera, or
-// a wrong principal point, shifts all disparities, so points move as no rigid scene would. Least
+// Returns what makes the ranges of one scene agree from frame to frame: a yaw of the right camera,
+// or a wrong principal point, shifts all disparities, so points move as no rigid scene would. Least
 // squares of what the second pair sees of the points of the first, over the motion of each window
 // and the shared unknowns:
 //

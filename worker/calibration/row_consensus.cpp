@@ -53,13 +53,13 @@ types::StereoMatches agreeing_rows(const types::RectifiedRig& rig,
             matches, [&](const types::StereoMatch& match) { return agrees(rig, plane, match); });
     };
     Plane best = Plane::Zero();  // the stated calibration wins a tie
-    std::ptrdiff_t most = num_agreeing(best);
+    std::ptrdiff_t max_agreeing = num_agreeing(best);
     for (int i = 0; i < kNumDraws; ++i) {
         const Plane plane = drawn_plane(rig, matches, random);
         const std::ptrdiff_t num = num_agreeing(plane);
-        if (num <= most) continue;
+        if (num <= max_agreeing) continue;
         best = plane;
-        most = num;
+        max_agreeing = num;
     }
     types::StereoMatches agreeing;
     std::ranges::copy_if(matches,

@@ -48,13 +48,15 @@ double sigmas_off(const EpipolarSolution& solution, int index) {
 EpipolarSolution solve_significant(const EpipolarProblem& problem, EpipolarProblem::Held& held) {
     while (true) {
         EpipolarSolution solution = problem.solve(held);
-        int least = -1;
+        int least_significant = -1;
         for (const int index : kOptional)
             if (!is_held(held, index) &&
-                (least < 0 || sigmas_off(solution, index) < sigmas_off(solution, least)))
-                least = index;
-        if (least < 0 || sigmas_off(solution, least) > kSignificant) return solution;
-        held[static_cast<std::size_t>(least)] = true;
+                (least_significant < 0 ||
+                 sigmas_off(solution, index) < sigmas_off(solution, least_significant)))
+                least_significant = index;
+        if (least_significant < 0 || sigmas_off(solution, least_significant) > kSignificant)
+            return solution;
+        held[static_cast<std::size_t>(least_significant)] = true;
     }
 }
 

@@ -8,11 +8,11 @@
 
 namespace divemesh::calibration {
 
-// Returns how the right camera stands against the left one by rows, from matches of pairs that were
-// rectified with the stated calibration; those of a pair must follow each other. The length of the
-// baseline stays as stated: images alone do not tell it. Pitch, roll, direction of the baseline and
-// focal length are estimated where they are significant. An outcome `Moved` says that the change is
-// large enough to matter.
+// Returns the pose of the right camera relative to the left one, from the rows of matches of pairs
+// that were rectified with the stated calibration; those of a pair must follow each other. The
+// length of the baseline stays as stated: images alone do not determine it. Pitch, roll, direction
+// of the baseline and focal length are estimated where they are significant. An outcome `Moved`
+// says that the change is large enough to matter.
 types::RigAlignment estimate_rig_alignment(const types::Rig& rig,
                                            const types::RectifiedRig& rectified,
                                            const types::StereoMatches& matches);
@@ -22,7 +22,7 @@ RangeUnknowns expected_ranges();
 RangeUnknowns expected_range_sigmas();
 
 // Adds yaw and principal point of the right camera to the alignment, if ranges of windows rectified
-// with it tell that all disparities are off: significant, and large enough to matter for the scale.
+// with it show that all disparities are biased: significantly, and enough to matter for the scale.
 // `rectified` is what the windows were rectified to.
 void add_ranges(const types::Rig& rig,
                 const types::RectifiedRig& rectified,

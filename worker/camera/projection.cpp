@@ -48,7 +48,7 @@ Eigen::Vector2d refract_back(double index, const Eigen::Vector2d& n) {
 
 // Returns the angle to the axis of an equidistant lens at a distance from the principal point in
 // focal lengths, by bisection: at most kMaxFisheyeAngle_rad, or the angle at which the polynomial
-// turns back, which it may beyond the image.
+// stops increasing, which may happen outside the image.
 double angle_at(const std::array<double, 4>& k, double distance) {
     const auto distance_at = [&](double angle) {
         const double t2 = angle * angle;

@@ -105,9 +105,9 @@ types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pa
     const double height = rig.cam0.height_px - 1.0;
     types::RectifiedRig rectified;
     // The widest field of view without empty borders. Where black surrounds the scene, the scene is
-    // in the middle, and not enlarged; empty borders belong to the fixed pattern then. Of a fisheye
-    // only the middle: at half of its focal length, 72 degrees to both sides at an image width of
-    // 3.1 focal lengths.
+    // in the middle, and not enlarged; empty borders belong to the fixed pattern then. A fisheye
+    // image is cut to its middle: at half of its focal length, 72 degrees to both sides at an image
+    // width of 3.1 focal lengths.
     const double native = rig.cam0.refractive_index * 0.25 *
                           (rig.cam0.fx_px + rig.cam0.fy_px + rig.cam1.fx_px + rig.cam1.fy_px);
     const double covering = std::min(covering_px(extent, width, height),
@@ -124,7 +124,8 @@ types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pa
     const auto middle = [&](double begin, double end, double size) {
         if (!is_middle) return 0.5 * (begin + end);
         const double half = 0.5 * size / rectified.focal_px;
-        return std::clamp(0.0, begin + half, end - half);  // of all in view the nearest to the axis
+        // The point in view that is nearest to the axis.
+        return std::clamp(0.0, begin + half, end - half);
     };
     rectified.cx_px = 0.5 * width - rectified.focal_px * middle(extent.left, extent.right, width);
     rectified.cy_px = 0.5 * height - rectified.focal_px * middle(extent.top, extent.bottom, height);

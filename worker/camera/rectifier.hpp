@@ -9,14 +9,15 @@
 
 namespace divemesh::camera {
 
-// Returns the rig of rectified images: the widest field of view that both cameras have of what is
-// no fixed pattern. Throws Error{BadData} as the constructor of Rectifier does.
+// Returns the rig of rectified images: the widest field of view that both cameras share, without
+// the fixed pattern. Throws Error{BadData} if the right camera is not on the right, or the fields
+// of view hardly overlap.
 types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pattern = {});
 
 // The rectification of a pair: undistorts both images and rotates them into one plane (Bouguet's
-// method, as OpenCV's stereoRectify). The constructor throws Error{BadData} if the right camera is
-// not on the right or the fields of view hardly overlap. Each frame gets `fixed_pattern`
-// (Recording::fixed_pattern()) as its rectified left image has it. Thread-safe after construction.
+// method, as OpenCV's stereoRectify). The constructor throws as rectified_rig does. Each frame gets
+// `fixed_pattern` (Recording::fixed_pattern()) as its rectified left image has it. Thread-safe
+// after construction.
 class Rectifier {
 public:
     explicit Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern = {});

@@ -18,22 +18,22 @@ constexpr double kMaxShare = 0.01;
 
 // Returns the least difference between values in succession.
 double smallest_step(const std::vector<double>& values) {
-    double smallest = std::numeric_limits<double>::infinity();
+    double min_step = std::numeric_limits<double>::infinity();
     for (std::size_t i = 1; i < values.size(); ++i) {
         const double step = std::abs(values[i] - values[i - 1]);
-        if (step > 0.0) smallest = std::min(smallest, step);
+        if (step > 0.0) min_step = std::min(min_step, step);
     }
-    return smallest;
+    return min_step;
 }
 
 std::size_t longest_run(const std::vector<double>& values, double value) {
-    std::size_t longest = 0;
+    std::size_t max_run = 0;
     std::size_t run = 0;
     for (const double v : values) {
         run = v == value ? run + 1 : 0;
-        longest = std::max(longest, run);
+        max_run = std::max(max_run, run);
     }
-    return longest;
+    return max_run;
 }
 
 // Adds the rows in which an axis stays at a value that no other exceeds.
@@ -66,11 +66,11 @@ ClippedReadings clipped_readings(const std::vector<types::ImuSample>& samples,
         std::vector<double> values;
         values.reserve(samples.size());
         for (const types::ImuSample& sample : samples) values.push_back(reading(sample)[axis]);
-        const auto [least, most] = std::ranges::minmax_element(values);
+        const auto [min, max] = std::ranges::minmax_element(values);
         const double step = smallest_step(values);
-        if (!(*most - *least >= kMinExtent_steps * step)) continue;
-        add_clipped(values, *least, step, clipped);
-        add_clipped(values, *most, step, clipped);
+        if (!(*max - *min >= kMinExtent_steps * step)) continue;
+        add_clipped(values, *min, step, clipped);
+        add_clipped(values, *max, step, clipped);
     }
     std::ranges::sort(clipped.rows);
     const auto doubled = std::ranges::unique(clipped.rows);

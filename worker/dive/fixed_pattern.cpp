@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kMinImages = 6;
 constexpr double kStill = 4.0;           // grey values; standard deviation over time
-constexpr double kEdge = 8.0;            // grey values a px
+constexpr double kEdge = 8.0;            // grey values per px
 constexpr double kMinEdgeShare = 0.003;  // of the image; moving scenes have up to 0.0009
 constexpr double kMaxStillShare = 0.5;   // of what is not black; the rig stands still
 constexpr int kReach_px = 25;            // letters that change stand this near to fixed edges
@@ -22,13 +22,13 @@ cv::Mat rectangle(int width_px, int height_px) {
     return cv::getStructuringElement(cv::MORPH_RECT, {width_px, height_px});
 }
 
-cv::Mat grown(const cv::Mat& mask, int reach_px) {
+cv::Mat dilated(const cv::Mat& mask, int reach_px) {
     cv::Mat result;
     cv::dilate(mask, result, rectangle(2 * reach_px + 1, 2 * reach_px + 1));
     return result;
 }
 
-// Returns where black areas stay black that are larger than shadows.
+// Returns a mask of areas, larger than shadows, that are black in all images.
 cv::Mat black_surroundings(const cv::Mat& mean, const cv::Mat& is_still) {
     const cv::Mat is_black = is_still & (mean < kMaxBlack);
     cv::Mat surroundings;
@@ -73,21 +73,22 @@ FixedPattern::Masks FixedPattern::masks() const {
     const cv::Mat variance = sum_of_squares_ / num_images_ - mean.mul(mean);
     const cv::Mat is_still = variance < kStill * kStill;
     const cv::Mat surroundings = black_surroundings(mean, is_still);
-    const cv::Mat is_inside = ~grown(surroundings, kRim_px);
+    const cv::Mat is_inside = ~dilated(surroundings, kRim_px);
     if (cv::countNonZero(is_still & is_inside) > kMaxStillShare * cv::countNonZero(is_inside))
         return {};
     const cv::Mat is_fixed = is_still & (slope_of(mean) > kEdge);
     // Between black and the scene; letters on black have black on both sides.
-    const cv::Mat is_border = is_fixed & grown(surroundings, kBlur_px) & grown(~is_still, kBlur_px);
-    const cv::Mat contour = grown(surroundings, 1) & ~surroundings;
+    const cv::Mat is_border =
+        is_fixed & dilated(surroundings, kBlur_px) & dilated(~is_still, kBlur_px);
+    const cv::Mat contour = dilated(surroundings, 1) & ~surroundings;
     const cv::Mat edges = is_fixed & ~is_border;
     Masks masks;
     if (cv::countNonZero(edges) >= kMinEdgeShare * static_cast<double>(mean.total()))
         cv::dilate(edges, masks.overlay, rectangle(2 * kReach_px + 1, kReach_px));
-    if (cv::countNonZero(contour & grown(is_border, kBlur_px)) >
+    if (cv::countNonZero(contour & dilated(is_border, kBlur_px)) >
             kMinSharpShare * cv::countNonZero(contour) &&
         cv::countNonZero(is_inside) > kMinSceneShare * static_cast<double>(mean.total()))
-        masks.border = grown(surroundings, kRim_px);
+        masks.border = dilated(surroundings, kRim_px);
     return masks;
 }
 

@@ -6,8 +6,8 @@ namespace divemesh::dive {
 
 // Finds what stays in place in the images of a dive while the scene moves on: an overlay that the
 // camera burnt in, such as time and depth, a part of the rig in view, or the border between a round
-// image and the black around it. It is where edges of the mean image hardly change from frame to
-// frame.
+// image and the black around it. The pattern is where edges of the mean image hardly change from
+// frame to frame.
 class FixedPattern {
 public:
     // Masks (CV_8U); 255 where something stays in place. An empty one has too few such pixels.

@@ -20,7 +20,7 @@ constexpr double kMinSharpness = 0.75;  // right over left; healthy 0.91 to 1.05
 constexpr double kMaxCombing = 1.2;     // healthy 0.85 to 1.05, interlaced 1.4 to 5.5
 constexpr double kMaxMosaic = 0.01;     // healthy below 0.001, Bayer 0.24
 constexpr double kHasNoMatch = 0.05;    // share of corners; cameras that match have 0.25 and more
-constexpr double kFewWithoutTexture = 0.05;
+constexpr double kMinShareWithoutTexture = 0.05;
 constexpr double kAllWithoutTexture = 0.95;
 
 // What was measured on the checked frames.
@@ -114,7 +114,7 @@ void report_mosaic(const Measured& measured, FindingLog& findings) {
 void report_texture(const Measured& measured, double share_matching, FindingLog& findings) {
     if (measured.num_frames == 0 || measured.without_texture.empty()) return;
     const double share = static_cast<double>(measured.without_texture.size()) / measured.num_frames;
-    if (share < kFewWithoutTexture) return;
+    if (share < kMinShareWithoutTexture) return;
     const bool is_all = share > kAllWithoutTexture;
     const std::string where = "between frames " + std::to_string(measured.without_texture.front()) +
                               " and " + std::to_string(measured.without_texture.back());

@@ -14,7 +14,7 @@ using Samples = std::vector<types::ImuSample>;
 bool has_acceleration(const types::ImuSample& sample) { return !sample.acceleration_imu.isZero(0); }
 bool has_rate(const types::ImuSample& sample) { return !sample.angular_velocity_imu.isZero(0); }
 
-// Returns which rows lack the gyroscope: runs of zeros between rows that turn.
+// Returns which rows lack the gyroscope: runs of zeros between rows that rotate.
 std::vector<bool> rows_without_rate(const Samples& samples) {
     std::vector<bool> is_missing(samples.size(), false);
     const auto turns = [&](std::size_t i) {

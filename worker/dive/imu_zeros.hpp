@@ -12,7 +12,8 @@ namespace divemesh::dive {
 // accelerometer at separate times. A row without a rate is left out. A missing acceleration is
 // interpolated linearly between readings at most 50 ms apart; without them its row is left out. An
 // acceleration of exactly zero cannot be, as it includes gravity. A rate of exactly zero is missing
-// if the rows around it turn. Reports what it found; changes nothing if no row has an acceleration.
+// if the rows around it rotate. Reports what it found; changes nothing if no row has an
+// acceleration.
 void fill_zero_readings(std::vector<types::ImuSample>& samples,
                         const std::string& file,
                         FindingLog& findings);

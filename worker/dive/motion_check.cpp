@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kNumMoments = 12;
 constexpr double kMaxInterval_s = 0.5;
-constexpr double kEnough_rad = 3.0 * base::kRadPerDeg;
+constexpr double kMinRotation_rad = 3.0 * base::kRadPerDeg;
 constexpr int kMinPoints = 25;
 constexpr std::int64_t kGapPeriods = 5;  // a longer interval of the gyro is a gap
 
@@ -71,7 +71,7 @@ Moment moment_at(const DiveContents& contents, int first, std::int64_t max_inter
             integrate_gyro(contents.imu, time(first), time(second), max_interval_ns);
         if (!rotation) break;
         moment = {first, second, seconds, *rotation};
-        if (rotation->norm() > kEnough_rad) break;
+        if (rotation->norm() > kMinRotation_rad) break;
     }
     return moment;
 }

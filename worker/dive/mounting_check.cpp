@@ -9,7 +9,7 @@
 namespace divemesh::dive {
 namespace {
 
-constexpr int kEnoughCorners = 100;
+constexpr int kMinCorners = 100;
 constexpr double kMaxShareAsRecorded = 0.3;
 constexpr double kMinShareTurned = 0.5;
 constexpr double kMaxInPlace_px = 0.1;
@@ -49,8 +49,8 @@ void MountingCheck::add(const cv::Mat& left,
 }
 
 void MountingCheck::report(FindingLog& findings) const {
-    if (num_corners_ < kEnoughCorners) return;
-    if (num_found_ > kEnoughCorners && share(num_in_place_, num_found_) > kMinShareInPlace)
+    if (num_corners_ < kMinCorners) return;
+    if (num_found_ > kMinCorners && share(num_in_place_, num_found_) > kMinShareInPlace)
         return findings.error("cameras_identical",
                               "mav0/cam1/data",
                               std::to_string(num_in_place_) + " of " + std::to_string(num_found_) +

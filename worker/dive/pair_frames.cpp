@@ -18,7 +18,7 @@ constexpr std::int64_t kMaxInterval_ns = 600'000'000;  // for it to be found aga
 constexpr double kPlausibleShare = 0.2;  // of corners that fit; pairs of other times have 0 to 0.05
 constexpr double kMinShare = 0.1;        // below this the images do not confirm other clocks
 constexpr double kAsGoodShare = 0.9;
-constexpr double kBetterShare = 1.5;  // by which a new pairing has to fit better
+constexpr double kMinShareRatio = 1.5;  // by which a new pairing has to fit better
 constexpr std::size_t kMaxProfileRows = 160;
 constexpr double kMaxLag_s = 20.0;
 constexpr std::int64_t kProfilePeriod_ns = 90'000'000;  // rows nearer to each other are left out
@@ -164,7 +164,7 @@ private:
         const double share = known.delay.share_fitting;
         const bool is_as_good = found.delay.share_fitting > kAsGoodShare * share &&
                                 std::abs(found.delay.delay_s) <= std::abs(known.delay.delay_s);
-        const bool is_better = is_as_good || found.delay.share_fitting > kBetterShare * share;
+        const bool is_better = is_as_good || found.delay.share_fitting > kMinShareRatio * share;
         return is_better ? found : known;
     }
 

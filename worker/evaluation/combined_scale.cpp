@@ -6,8 +6,8 @@
 namespace divemesh::evaluation {
 namespace {
 
-constexpr double kBetter = 0.75;        // of the cameras' sigma
-constexpr double kMaxCorrection = 0.1;  // beyond it a size was stated wrong
+constexpr double kMaxSigmaRatio = 0.75;  // of the cameras' sigma
+constexpr double kMaxCorrection = 0.1;   // beyond it a size was stated wrong
 
 double information(const ScaleCheck& check) { return 1.0 / (check.sigma * check.sigma); }
 
@@ -25,7 +25,7 @@ CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_si
     result.sensors = mean_of(sources);
     result.sources = std::move(sources);
     result.differs = is_contradicted(result.sensors);
-    result.is_better = result.sensors.sigma <= kBetter * cameras_sigma;
+    result.is_better = result.sensors.sigma <= kMaxSigmaRatio * cameras_sigma;
     const double with_cameras = std::hypot(result.sensors.sigma, cameras_sigma);
     result.refuted = is_contradicted({result.sensors.scale, with_cameras});
     if (result.refuted) {

@@ -78,20 +78,20 @@ std::optional<Bridge> bridge(const Depth& depth, cv::Point at, int dx, int dy) {
 
 std::optional<Bridge> closed(const Depth& depth, cv::Point at) {
     float sum = 0.0F;
-    float least = std::numeric_limits<float>::max();
-    float most = 0.0F;
+    float min_px = std::numeric_limits<float>::max();
+    float max_px = 0.0F;
     float sigma = 0.0F;
     int num = 0;
     for (const auto& [dx, dy] : kDirections) {
         const auto along = bridge(depth, at, dx, dy);
         if (!along) continue;
         sum += along->disparity_px;
-        least = std::min(least, along->disparity_px);
-        most = std::max(most, along->disparity_px);
+        min_px = std::min(min_px, along->disparity_px);
+        max_px = std::max(max_px, along->disparity_px);
         sigma = std::max(sigma, along->sigma_px);
         ++num;
     }
-    if (num < kMinDirections || most - least > kMaxStep_px) return std::nullopt;
+    if (num < kMinDirections || max_px - min_px > kMaxStep_px) return std::nullopt;
     return Bridge{sum / static_cast<float>(num), sigma};
 }
 

@@ -17,7 +17,7 @@ GyroscopePath::GyroscopePath(const std::vector<types::ImuSample>& samples,
         });
     for (; sample != samples.end() && sample->timestamp_ns <= to_ns; ++sample) {
         const bool first = samples_.empty();
-        q_.push_back(first ? Eigen::Quaterniond::Identity() : turned(samples_.back(), *sample));
+        q_.push_back(first ? Eigen::Quaterniond::Identity() : rotated(samples_.back(), *sample));
         const bool gap =
             !first && sample->timestamp_ns - samples_.back().timestamp_ns > kMaxImuGap_ns;
         num_gaps_.push_back(first ? 0 : num_gaps_.back() + (gap ? 1 : 0));
@@ -46,8 +46,8 @@ std::size_t GyroscopePath::first_after(std::int64_t time_ns) const {
     return static_cast<std::size_t>(after - samples_.begin());
 }
 
-Eigen::Quaterniond GyroscopePath::turned(const types::ImuSample& before,
-                                         const types::ImuSample& after) const {
+Eigen::Quaterniond GyroscopePath::rotated(const types::ImuSample& before,
+                                          const types::ImuSample& after) const {
     const double dt_s = base::to_s(after.timestamp_ns - before.timestamp_ns);
     return (q_.back() *
             base::rotation_from_vector(0.5 * dt_s *

@@ -25,7 +25,7 @@ public:
 
 private:
     std::size_t first_after(std::int64_t time_ns) const;
-    Eigen::Quaterniond turned(const types::ImuSample& before, const types::ImuSample& after) const;
+    Eigen::Quaterniond rotated(const types::ImuSample& before, const types::ImuSample& after) const;
     Eigen::Quaterniond at(std::int64_t time_ns) const;
 
     std::vector<types::ImuSample> samples_;

@@ -28,8 +28,8 @@ constexpr double kMinRate_rad_s = 0.02;  // RMS; below this noise dominates
 constexpr double kNoise_rad_s = 0.008;   // of vision over a span, at worst
 constexpr double kFits = 0.1;            // unexplained shares
 constexpr double kContradicts = 0.25;
-// Another offset must explain this much more than the best near one.
-constexpr double kClearlyBetter = 0.4;
+// Of the unexplained share of another offset to that of the best near one.
+constexpr double kMaxUnexplainedRatio = 0.4;
 constexpr double kMaxTilt_rad = 20.0 * base::kRadPerDeg;
 constexpr double kRotationPrior = 0.05;  // of the correlation: holds axes without rotation
 constexpr double kHuber = 3.0;           // in medians of the residuals' norms
@@ -231,11 +231,11 @@ void explain(const GyroscopePath& path,
              const Fit& near,
              GyroscopeJudgement& judgement) {
     judgement.fault = GyroscopeFault::Unexplained;
-    double least = kFits;
+    double min_unexplained = kFits;
     for_each_mounting([&](const Eigen::Matrix3d& mounting) {
         const auto fit = best_fit(path, spans, {}, mounting);
-        if (!fit || fit->unexplained >= least) return;
-        least = fit->unexplained;
+        if (!fit || fit->unexplained >= min_unexplained) return;
+        min_unexplained = fit->unexplained;
         name_mounting(mounting, judgement);
     });
     if (judgement.fault != GyroscopeFault::Unexplained) return;
@@ -286,7 +286,8 @@ GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
     if (last.size() < kMinSpansToShift) return judgement;
     auto far = best_fit(path, last, {0.0, kMaxOffset_s, kStep_s}, as_mounted);
     if (far) far = best_fit(path, last, {far->offset_s, kStep_s, kFineStep_s}, as_mounted);
-    if (far && far->unexplained < kFits && far->unexplained < kClearlyBetter * near->unexplained) {
+    if (far && far->unexplained < kFits &&
+        far->unexplained < kMaxUnexplainedRatio * near->unexplained) {
         judgement.fit = std::abs(far->offset_s) > kNearOffset_s ? GyroscopeFit::FitsShifted
                                                                 : GyroscopeFit::Fits;
         judgement.time_offset_s = far->offset_s;

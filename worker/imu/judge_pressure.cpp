@@ -114,14 +114,14 @@ double held_share(const std::vector<types::PressureSample>& pressure) {
     std::vector<double> depths;
     depths.reserve(pressure.size());
     for (const types::PressureSample& sample : pressure) depths.push_back(sample.depth_m);
-    const auto [least, most] = std::minmax_element(depths.begin(), depths.end());
-    const double step = kHeldStep * (*most - *least);
+    const auto [min, max] = std::minmax_element(depths.begin(), depths.end());
+    const double step = kHeldStep * (*max - *min);
     const auto num_at = [&](double end) {
         return std::count_if(depths.begin(), depths.end(), [&](double depth) {
             return std::abs(depth - end) <= step;
         });
     };
-    return static_cast<double>(std::max(num_at(*least), num_at(*most))) /
+    return static_cast<double>(std::max(num_at(*min), num_at(*max))) /
            static_cast<double>(depths.size());
 }
 

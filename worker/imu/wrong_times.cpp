@@ -48,13 +48,13 @@ Eigen::Vector3d usual_around(const std::vector<Difference>& differences, const D
 }  // namespace
 
 std::vector<types::TimeInterval> wrong_times(const std::vector<Difference>& differences,
-                                             double least) {
+                                             double min_distance) {
     if (differences.empty()) return {};
     std::vector<double> sizes;
     sizes.reserve(differences.size());
     for (const Difference& at : differences)
         sizes.push_back((at.value - usual_around(differences, at)).norm());
-    const double limit = std::max(least, kFar * stats::median(sizes));
+    const double limit = std::max(min_distance, kFar * stats::median(sizes));
     std::vector<WrongTime> found;
     int num_right = 0;  // since the last wrong one
     for (std::size_t i = 0; i < sizes.size(); ++i) {

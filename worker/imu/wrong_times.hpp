@@ -15,14 +15,14 @@ struct Difference {
 };
 
 // Returns the times in which the sensor was wrong. `differences` are in order of time. One is wrong
-// if it is farther from the median of those up to nine seconds before and after it than `least` and
-// than five times the median of such distances over the dive. A wrong time has at least 1.6 s of
-// differences; one difference in a row among them may be right.
+// if it is farther from the median of those up to nine seconds before and after it than
+// `min_distance` and than five times the median of such distances over the dive. A wrong time has
+// at least 1.6 s of differences; one difference in a row among them may be right.
 //
 // A gap between wrong differences, in which the images measured nothing, counts as wrong too,
 // because a wrong sensor is a likely cause of the gap. A second is added before and after each
 // time, because it is not known better when the sensor began to be wrong.
 std::vector<types::TimeInterval> wrong_times(const std::vector<Difference>& differences,
-                                             double least);
+                                             double min_distance);
 
 }  // namespace divemesh::imu

@@ -43,14 +43,14 @@ Eigen::Isometry3d best_motion(const types::RectifiedRig& rig,
                               std::uint64_t seed) {
     std::mt19937_64 random(seed);
     Eigen::Isometry3d best = Eigen::Isometry3d::Identity();
-    double least = odometry::msac_cost(rig, pairs, best, kTolerance_px);
+    double min_cost = odometry::msac_cost(rig, pairs, best, kTolerance_px);
     int tries = kRansac.max_iterations;
     for (int i = 0; i < tries; ++i) {
         const auto motion = motion_of_three(rig, pairs, random);
         if (!motion) continue;
         const double cost = odometry::msac_cost(rig, pairs, *motion, kTolerance_px);
-        if (cost >= least) continue;
-        least = cost;
+        if (cost >= min_cost) continue;
+        min_cost = cost;
         best = *motion;
         const auto inliers = odometry::find_inliers(rig, pairs, best, kTolerance_px);
         tries = std::min(

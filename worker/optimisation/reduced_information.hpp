@@ -8,8 +8,8 @@
 
 namespace divemesh::optimisation {
 
-// The information of an adjustment about all blocks but the landmarks, which are eliminated (Schur
-// complement). Its inverse is the covariance of these blocks.
+// The information of a bundle adjustment about all blocks but the landmarks, which are eliminated
+// (Schur complement). Its inverse is the covariance of these blocks.
 struct ReducedInformation {
     Eigen::SparseMatrix<double> lower;  // of H; tangent coordinates of the kept blocks
     std::vector<int> start;             // of each kept block in H; -1: held constant

@@ -19,12 +19,13 @@ namespace {
 
 constexpr std::size_t kMaxPairs = 48;
 constexpr std::size_t kPairsAtOnce = 12;  // also the fewest of a longer dive
-constexpr std::size_t kEnoughMatches = 2000;
+constexpr std::size_t kMinMatches = 2000;
 constexpr std::size_t kWindowsAtOnce = 6;
 constexpr int kFramesPerWindow = 8;  // of the dive; more windows would read frames twice
-// Windows are added until the bias of disparities is known this well, or hardly is one.
-constexpr double kEnoughBiasSigma_px = 0.04;
-constexpr double kNoBiasSigma_px = 0.12;
+// Windows are added until the disparity bias is known this well; the second value is for a bias
+// that is not significant.
+constexpr double kMaxBiasSigma_px = 0.04;
+constexpr double kMaxUnbiasedSigma_px = 0.12;
 // Refractive index of water: 1.333 in a lake, 1.342 in a cold sea.
 constexpr double kWater = 1.337;
 constexpr std::array<types::MediumChange, 4> kOtherMedia = {
@@ -98,7 +99,7 @@ types::StereoMatches spread_matches(const PairMatcher& matcher,
                                     const base::ProgressCallback& progress) {
     const std::vector<int> frames = spread_frames(num_frames);
     types::StereoMatches all;
-    for (std::size_t begin = 0; begin < frames.size() && all.size() < kEnoughMatches;
+    for (std::size_t begin = 0; begin < frames.size() && all.size() < kMinMatches;
          begin += kPairsAtOnce) {
         progress({});
         std::vector<types::StereoMatches> found(std::min(kPairsAtOnce, frames.size() - begin));
@@ -111,7 +112,7 @@ types::StereoMatches spread_matches(const PairMatcher& matcher,
     return all;
 }
 
-// Returns how the right camera stands by the rows of matches.
+// Returns the relative pose that the rows of the matches determine.
 types::RigAlignment align_rows(const types::Recording& recording,
                                const types::Rig& stated,
                                int num_threads,
@@ -133,10 +134,10 @@ types::RigAlignment align_rows(const types::Recording& recording,
 bool is_enough(const calibration::RangeSolution& ranges) {
     if (ranges.num_windows == 0) return false;
     const bool unbiased = std::abs(ranges.bias_px) < 2.0 * ranges.bias_sigma_px;
-    return ranges.bias_sigma_px < (unbiased ? kNoBiasSigma_px : kEnoughBiasSigma_px);
+    return ranges.bias_sigma_px < (unbiased ? kMaxUnbiasedSigma_px : kMaxBiasSigma_px);
 }
 
-// Adds what ranges tell, from windows spread over the dive until they tell enough, and returns it.
+// Adds what ranges determine, from windows spread over the dive until they suffice, and returns it.
 calibration::RangeSolution align_ranges(const types::Recording& recording,
                                         const types::Rig& stated,
                                         int num_threads,
@@ -170,12 +171,17 @@ calibration::RangeSolution align_ranges(const types::Recording& recording,
     return ranges;
 }
 
-bool images_tell(const types::RigAlignment& alignment) {
+bool is_determined(const types::RigAlignment& alignment) {
     using Outcome = types::RigAlignment::Outcome;
     return alignment.outcome == Outcome::AsStated || alignment.outcome == Outcome::Moved;
 }
 
-// Cameras aligned as if a rig was what the calibration says, and how well it fits.
+void clear_change(types::RigAlignment& alignment) {
+    alignment.change = {};
+    alignment.sigmas.setZero();
+}
+
+// The alignment found if a rig is taken as the stated calibration, and how well it fits.
 struct Aligned {
     types::RigAlignment alignment;
     int num_ranges = 0;  // inliers
@@ -197,12 +203,9 @@ Aligned aligned(const types::Recording& recording,
     using Outcome = types::RigAlignment::Outcome;
     const types::RigAlignment rows = align_rows(recording, stated, num_threads, progress);
     Aligned result{rows};
-    if (!images_tell(rows)) return result;
+    if (!is_determined(rows)) return result;
     types::RigAlignment& alignment = result.alignment;
-    if (rows.outcome == Outcome::AsStated) {  // reported, never applied
-        alignment.change = {};
-        alignment.sigmas.setZero();
-    }
+    if (rows.outcome == Outcome::AsStated) clear_change(alignment);  // reported, never applied
     const calibration::RangeSolution ranges =
         align_ranges(recording, stated, num_threads, progress, alignment);
     if (alignment.outcome == Outcome::AsStated) {
@@ -259,10 +262,8 @@ Aligned in_best_medium(const types::Recording& recording,
             (!best.alignment.change.medium.is_none() &&
              other->range_error_rad > best.range_error_rad))
             continue;
-        if (other->alignment.outcome == types::RigAlignment::Outcome::AsStated) {
-            other->alignment.change = {};
-            other->alignment.sigmas.setZero();
-        }
+        if (other->alignment.outcome == types::RigAlignment::Outcome::AsStated)
+            clear_change(other->alignment);
         other->alignment.change.medium = medium;
         other->alignment.outcome = types::RigAlignment::Outcome::Moved;
         best = *other;

@@ -7,8 +7,8 @@
 
 namespace divemesh::pipeline {
 
-// A recording whose stated rig may be replaced by the one that its images tell, and whose images
-// may be read at a reduced size. All else stays.
+// A recording whose stated rig may be replaced by the one estimated from its images, and whose
+// images may be read at a reduced size. Everything else is as recorded.
 class AlignedRecording : public types::Recording {
 public:
     explicit AlignedRecording(types::Recording& recording);

@@ -9,11 +9,11 @@
 namespace divemesh::pipeline {
 namespace {
 
-constexpr double kTold_px = 0.7;  // findings begin here
+constexpr double kMinShift_px = 0.7;  // findings begin here
 
 std::string degrees(double angle_rad) { return base::fixed(base::kDegPerRad * angle_rad, 2); }
 
-// Returns what the change does to disparities, "" where nothing tells it.
+// Returns what the change does to disparities, "" if it is unknown.
 std::string disparities_off(const types::RigAlignment& alignment) {
     if (!alignment.moves_disparities()) return "";
     const double bias_px = alignment.disparity_bias_px;
@@ -28,14 +28,14 @@ Finding moved_finding(const types::RigAlignment& alignment) {
     return {Severity::Warning,
             "stereo_mismatch",
             "mav0/cam1/sensor.yaml",
-            "the right camera does not stand where the calibration has it: it has turned by " +
+            "the right camera is not where the calibration says: it is rotated by " +
                 degrees(turned.head<3>().norm()) + " degrees (pitch " + degrees(turned[0]) +
                 ", yaw " + degrees(turned[1]) + ", roll " + degrees(turned[2]) +
                 "), so matching points in the left and right images lie " +
                 base::fixed(alignment.row_shift_px, 1) + " px (RMS) off their rows" +
                 disparities_off(alignment),
-            "The reconstruction estimates this from the images and corrects it (option "
-            "align_cameras). Calibrate the stereo pair again, and check that the cameras are "
+            "The reconstruction estimates this from the images and corrects it unless "
+            "align_cameras is off. Calibrate the stereo pair again, and check that the cameras are "
             "fixed tightly."};
 }
 
@@ -46,13 +46,13 @@ Finding medium_finding(const types::MediumChange& medium) {
             "calibration_medium",
             "mav0/cam0/sensor.yaml",
             std::string("the cameras were calibrated in ") + (in_air ? "air" : "water") +
-                " and record in " + (in_air ? "water" : "air") + ": views of the scene agree " +
+                " and record in " + (in_air ? "water" : "air") + ": images of the scene agree " +
                 (is_port ? "with the refraction of water at a flat port"
                          : "with focal lengths " + base::fixed(medium.focal_scale, 2) +
                                " times those stated"),
-            "The reconstruction takes that into account (option align_cameras), but a real port is "
-            "neither thin nor exactly flat. Calibrate the cameras in the medium in which they "
-            "record."};
+            "The reconstruction takes this into account unless align_cameras is off, but a real "
+            "port is neither thin nor exactly flat. Calibrate the cameras in the medium in which "
+            "they record."};
 }
 
 Finding inconsistent_finding(const types::RigAlignment& alignment) {
@@ -61,7 +61,7 @@ Finding inconsistent_finding(const types::RigAlignment& alignment) {
             "mav0/cam1/data",
             "of " + std::to_string(alignment.num_matches) +
                 " points found in left and right images, " + std::to_string(alignment.num_inliers) +
-                " agree on one position of the cameras, and the rows of a pair differ by " +
+                " fit one position of the cameras, and the rows of a pair differ by " +
                 base::fixed(alignment.pair_error_px, 1) + " px (RMS) from pair to pair",
             "Check that both cameras expose at the same time, that both images are sharp, and that "
             "the cameras cannot move against each other."};
@@ -75,7 +75,7 @@ std::vector<Finding> alignment_findings(const types::RigAlignment& alignment) {
     std::vector<Finding> findings;
     if (const auto& medium = alignment.change.medium; !medium.is_none())
         findings.push_back(medium_finding(medium));
-    if (alignment.outcome == Outcome::Moved && alignment.shift_px() >= kTold_px)
+    if (alignment.outcome == Outcome::Moved && alignment.shift_px() >= kMinShift_px)
         findings.push_back(moved_finding(alignment));
     return findings;
 }

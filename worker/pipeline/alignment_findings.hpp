@@ -7,8 +7,8 @@
 
 namespace divemesh::pipeline {
 
-// Returns what a user must know of where the right camera stands: nothing when the stated
-// calibration fits.
+// Returns the findings about the right camera's pose and the medium of the calibration; empty if
+// the stated calibration fits.
 std::vector<Finding> alignment_findings(const types::RigAlignment& alignment);
 
 }  // namespace divemesh::pipeline

@@ -10,7 +10,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-// Writes the cloud in the background during meshing; everything needed from the volume is read
+// Writes the cloud in a background task during meshing; everything needed from the volume is read
 // before.
 void write_cloud(Reconstruction& made, std::shared_ptr<const fusion::OctreeVolume> cloud) {
     const auto points = std::make_shared<const fusion::ConfirmedPoints>(

@@ -53,7 +53,7 @@ Observed observe_frame(TrackingState& state,
     Observed seen;
     seen.tracks = std::move(tracks);
     features::match_sparse_stereo(frame, {}, state.options.num_disparities_px, seen.tracks);  // 1
-    state.moving.take_dynamic(seen.tracks);
+    state.dynamic_features.take_dynamic(seen.tracks);
     seen.measured =
         odometry::with_depth_at_both_times(state.rig, state.features, seen.tracks);  // 3
     seen.pairs = seen.measured;

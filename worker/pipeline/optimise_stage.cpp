@@ -30,8 +30,11 @@ bool load_optimise(Reconstruction& made, const std::string& key) {
 }
 
 void run_optimise(Reconstruction& made, const base::ProgressCallback& progress) {
+    types::RigAlignment alignment = made.alignment;  // in px as recorded
+    alignment.disparity_bias_px /= made.track.reduction;
+    alignment.disparity_bias_sigma_px /= made.track.reduction;
     made.optimised = optimise(
-        made.track, made.recording, made.options(), made.keyframe_store, made.alignment, progress);
+        made.track, made.recording, made.options(), made.keyframe_store, alignment, progress);
 }
 
 void save_optimise(Reconstruction& made, const std::string& key) {

@@ -188,7 +188,7 @@ void TrackOptimiser::adjust_with_less() {
                                     "the calibration estimated from the dive makes the path fit "
                                     "the measurements less well: "
                                     "the stated calibration was used",
-                                    "calibrate the cameras and the inertial unit again"});
+                                    "calibrate the cameras and the IMU again"});
         if (adjust(closed_track())) return;
     }
     if (!loops_.empty()) {
@@ -205,7 +205,7 @@ void TrackOptimiser::leave_as_tracked() {
          "",
          "bundle adjustment of the whole dive makes the path fit the measurements less well: the "
          "path is given as it was tracked, without bounds",
-         "check the calibration of the cameras and the inertial unit"});
+         "check the calibration of the cameras and the IMU"});
     types::Track closed = closed_track();
     types::TrackCheck& check = result_.statistics.check;
     check = {check.before, check.before, 0.0};  // of the result, not of what was rejected

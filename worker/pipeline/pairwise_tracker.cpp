@@ -20,7 +20,7 @@ PairwiseTracker::PairwiseTracker(const types::RectifiedRig& rig,
       tracker_(rig, options.num_features),
       inertial_(recording, options),
       motion_(rig, inertial_),
-      moving_(rig),
+      dynamic_features_(rig),
       keyframe_rule_(rig),
       mapping_rule_(rig, options.surface ? options.map_step : 0.0) {}
 
@@ -34,9 +34,9 @@ TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
 
     types::DepthMap depth = stereo_.match(frame);  // 1
     types::Features tracks =
-        tracker_.track(frame.left, moving_.with_dynamic(features_), expected);  // 2
+        tracker_.track(frame.left, dynamic_features_.with_dynamic(features_), expected);  // 2
     features::match_sparse_stereo(frame, depth.disparity_px, options_.num_disparities_px, tracks);
-    moving_.take_dynamic(tracks);
+    dynamic_features_.take_dynamic(tracks);
     const odometry::PointPairs pairs =
         odometry::with_depth_at_both_times(rig_, features_, tracks);  // 3
     const auto vision =                                               // 4
@@ -52,10 +52,10 @@ TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
     if (vision.found) motion_.confirm_by_vision();
     odometry::learn_bias(inertial_, rig_, vision, before_ns, now_ns);
     keyframes_.empty() ? summary_.add_first_frame() : summary_.add_frame(tracks, vision, guess);
-    moving_.classify(pairs, vision);
+    dynamic_features_.classify(pairs, vision);
     features_ = odometry::without_dynamic_features(tracks, pairs, vision);
     const bool kept = keep_if_due(frame, depth, vision);
-    TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), moving_.before(), {}};
+    TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), dynamic_features_.before(), {}};
     tracked.by_vision = vision.found;
     tracked.features = odometry::feature_counts(features_);
     tracked.to_map = to_map(frame, std::move(depth), vision, kept);
@@ -84,8 +84,9 @@ std::optional<FrameToMap> PairwiseTracker::to_map(const types::RectifiedFrame& f
                                                   bool kept) {
     if (!kept && !(vision.found && mapping_rule_.due(features_))) return std::nullopt;
     mapping_rule_.taken(features_);
-    return FrameToMap{
-        frame, std::move(depth), {{}, moving_.now(), odometry::static_features(vision), {}}};
+    return FrameToMap{frame,
+                      std::move(depth),
+                      {{}, dynamic_features_.now(), odometry::static_features(vision), {}}};
 }
 
 void PairwiseTracker::move_to(types::Track& track) {

@@ -43,7 +43,7 @@ private:
     features::FeatureTracker tracker_;
     imu::InertialPrior inertial_;
     odometry::MotionModel motion_;
-    odometry::DynamicFeatures moving_;
+    odometry::DynamicFeatures dynamic_features_;
     keyframes::KeyframeRule keyframe_rule_;
     keyframes::MappingRule mapping_rule_;
     types::Features features_;  // static ones, as the last frame had them

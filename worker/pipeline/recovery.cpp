@@ -20,10 +20,10 @@ Observed Recovery::recover(const types::RectifiedFrame& frame,
         return a.vision.found &&
                (!b.vision.found || a.vision.inliers.size() > b.vision.inliers.size());
     };
-    const odometry::DynamicFeatures moving = state_.moving;
+    const odometry::DynamicFeatures dynamic_features = state_.dynamic_features;
     if (auto followed = follow_wide(frame, prediction))
         if (better(*followed, predicted)) return std::move(*followed);
-    state_.moving = moving;
+    state_.dynamic_features = dynamic_features;
     if (predicted.vision.found &&
         odometry::explained_by_chance(state_.rig,
                                       predicted.vision,
@@ -42,7 +42,7 @@ std::optional<Observed> Recovery::follow_wide(const types::RectifiedFrame& frame
                                            {prediction.expected(), prediction.rotation},
                                            odometry::seed_of(state_.options.seed, frame));
     if (!rough) return std::nullopt;
-    state_.moving.forget();
+    state_.dynamic_features.forget();
     Observed seen;
     seen.vision.T_current_previous = *rough;
     for (int pass = 0; pass < kNumPasses; ++pass) {
@@ -65,17 +65,17 @@ std::optional<Observed> Recovery::recognise(const types::RectifiedFrame& frame,
                                          odometry::seed_of(state_.options.seed, frame));
     if (!known) return std::nullopt;
     const types::Features previous = state_.features;
-    const odometry::DynamicFeatures moving = state_.moving;
+    const odometry::DynamicFeatures dynamic_features = state_.dynamic_features;
     // The previous pose becomes that from which the predicted motion leads here.
     state_.motion.correct(known->T_world_cam * prediction.T_current_previous);
     go_back_to(known->T_world_keyframe, known->in_keyframe);
-    state_.moving.forget();
+    state_.dynamic_features.forget();
     Observed seen = observe_frame(state_, frame, std::move(known->features), prediction);
     seen.predicted = false;
     if (seen.vision.found) return seen;
     state_.motion.correct(T_world_previous);
     state_.features = previous;
-    state_.moving = moving;
+    state_.dynamic_features = dynamic_features;
     return std::nullopt;
 }
 

@@ -1,7 +1,5 @@
 #include "worker/pipeline/sensor_attempts.hpp"
 
-#include <algorithm>
-
 #include "worker/dive/clipped_readings.hpp"
 
 namespace divemesh::pipeline {
@@ -11,10 +9,6 @@ constexpr int kMaxAttempts = 5;  // without those that try an unconfirmed IMU
 // Shares of the frames: lost by vision alone, so that the IMU is tried, and gained by it.
 constexpr double kMinLost = 0.1;
 constexpr double kMinGained = 0.05;
-
-std::int64_t num_by_vision(const types::Track& track) {
-    return std::ranges::count(track.motions, types::MotionSource::Vision);
-}
 
 }  // namespace
 
@@ -29,7 +23,7 @@ bool SensorAttempts::again(const imu::SensorWatch& watch, const types::Track& tr
     auto other = watch.restart();
     const bool is_whole = !other;
     if (!other) other = watch.restart_at_end();
-    const std::int64_t num_measured = num_by_vision(track);
+    const std::int64_t num_measured = types::num_by_vision(track);
     const auto num_frames = std::ssize(track.motions);
     if (alone_) return judge_trial(is_whole, num_measured, num_frames);
     if (!other) {

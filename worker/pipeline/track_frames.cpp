@@ -35,7 +35,7 @@ types::Track track_frames(types::Recording& recording,
     Eigen::Isometry3d T_start_cam = Eigen::Isometry3d::Identity();
     while (const auto frame = frames.next()) {
         const TrackedFrame tracked = tracker.process(*frame);
-        writer.go_on(tracked.moving_before);
+        writer.go_on(tracked.dynamic_before);
         if (tracked.to_map) {
             writer.write(tracked.to_map->frame, tracked.to_map->depth, tracked.to_map->seen);
             result.mapped.push_back({frame->index, frame->timestamp_ns, tracked.T_world_cam});

@@ -26,7 +26,7 @@ struct FrameToMap {
 struct TrackedFrame {
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();  // by steps 1 to 6
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();         // as estimated now
-    types::Features moving_before;     // newly found dynamic features, as in the previous frame
+    types::Features dynamic_before;    // newly found dynamic features, as in the previous frame
     std::optional<FrameToMap> to_map;  // nullopt: not mapped
     bool by_vision = false;            // vision measured T_current_previous
     types::FrameFeatures features = {};

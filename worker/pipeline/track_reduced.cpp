@@ -13,13 +13,12 @@ constexpr int kMaxReduction = 4;
 constexpr int kMinWidth_px = 320;  // of reduced images
 // Shares of the frames that vision followed.
 constexpr double kMaxAtFullSize = 0.5;
-constexpr double kNearlyAll = 0.9;
+constexpr double kMinShareToStop = 0.9;
 constexpr double kMinGained = 0.25;
 
 double share_by_vision(const types::Track& track) {
-    const auto num = std::ranges::count(track.motions, types::MotionSource::Vision);
     // The first frame has no motion.
-    return static_cast<double>(num) /
+    return static_cast<double>(types::num_by_vision(track)) /
            static_cast<double>(std::max<std::ptrdiff_t>(1, std::ssize(track.motions) - 1));
 }
 
@@ -57,7 +56,8 @@ int better_reduction(const types::Track& track,
     path_only.surface = false;
     int best = 1;
     double best_share = at_full_size + kMinGained;
-    for (int reduction = 2; reduction <= kMaxReduction && best_share < kNearlyAll; ++reduction) {
+    for (int reduction = 2; reduction <= kMaxReduction && best_share < kMinShareToStop;
+         ++reduction) {
         if (recording.recorded_rig().cam0.width_px / reduction < kMinWidth_px) break;
         const AttemptFolder folder(scratch);
         recording.set_reduction(reduction);

@@ -21,12 +21,12 @@ constexpr double kMinShare = 0.1;
 constexpr double kWarningShare = 0.05;
 constexpr std::size_t kMaxLosses = 5;  // reported one by one
 // A frame with texture has hundreds of features.
-constexpr double kHardlyAnyFeatures = 60.0;
+constexpr double kMinFeatures = 60.0;
 // Share of the features of the left image that are found in the right one too.
-constexpr double kSmallShareWithDepth = 0.3;
+constexpr double kMinShareWithDepth = 0.3;
 // Share of an image that the next one sees too. The tracker follows features down to about half;
 // above it the cause lies elsewhere.
-constexpr double kSmallOverlap = 0.6;
+constexpr double kMinOverlap = 0.6;
 constexpr int kGridSize = 12;
 constexpr double kPausePeriods = 5.0;
 
@@ -106,7 +106,7 @@ struct Cause {
 };
 
 Cause too_little_overlap(double overlap, double interval_s) {
-    const double needed_hz = std::ceil((1.0 - overlap) / ((1.0 - kSmallOverlap) * interval_s));
+    const double needed_hz = std::ceil((1.0 - overlap) / ((1.0 - kMinOverlap) * interval_s));
     return {"consecutive images overlap by only " + base::fixed(100.0 * overlap, 0) + " %",
             "swim and turn more slowly, or record above " + base::fixed(needed_hz, 0) +
                 " pairs a second"};
@@ -116,12 +116,12 @@ Cause too_little_overlap(double overlap, double interval_s) {
 Cause cause_of(const types::Track& track, const Loss& loss) {
     const double num_features = median_count(track, loss, &types::FrameFeatures::num_features);
     const double num_with_depth = median_count(track, loss, &types::FrameFeatures::num_with_depth);
-    if (num_features < kHardlyAnyFeatures)
+    if (num_features < kMinFeatures)
         return {"the images show hardly any texture (" + base::fixed(num_features, 0) +
                     " features an image)",
                 "keep textured ground in view and in the light; check focus, exposure and a fogged "
                 "port"};
-    if (num_with_depth < kSmallShareWithDepth * num_features)
+    if (num_with_depth < kMinShareWithDepth * num_features)
         return {"only " + base::fixed(100.0 * num_with_depth / num_features, 0) +
                     " % of the features of the left image were found in the right one",
                 "check that both images are equally sharp and bright, simultaneous and fit the "
@@ -133,7 +133,7 @@ Cause cause_of(const types::Track& track, const Loss& loss) {
         return {"no image was recorded for " + base::fixed(interval_s, 1) + " s",
                 "record without pauses, or come back to a place that was already recorded"};
     const double overlap = expected_overlap(track, next);
-    if (overlap < kSmallOverlap && interval_s > 0.0) return too_little_overlap(overlap, interval_s);
+    if (overlap < kMinOverlap && interval_s > 0.0) return too_little_overlap(overlap, interval_s);
     return {"features could not be followed to the next image, " + base::fixed(interval_s, 2) +
                 " s later",
             kTrackBetter};

@@ -28,7 +28,7 @@ struct TrackingState {
           map(rig, inertial),
           memory(rig, options.close_loops, options.num_disparities_px),
           motion(rig, inertial),
-          moving(rig),
+          dynamic_features(rig),
           scene(rig) {}
     TrackingState(const TrackingState&) = delete;
     TrackingState& operator=(const TrackingState&) = delete;
@@ -40,7 +40,7 @@ struct TrackingState {
     KeyframeMap map;
     loops::Relocaliser memory;
     odometry::MotionModel motion;
-    odometry::DynamicFeatures moving;
+    odometry::DynamicFeatures dynamic_features;
     odometry::KnownScene scene;
     types::Features features;  // static ones, as the last frame had them
 };

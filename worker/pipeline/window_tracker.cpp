@@ -19,7 +19,7 @@ namespace divemesh::pipeline {
 namespace {
 
 // A rig that hardly moves looks for new features at once if it has fewer.
-constexpr std::size_t kFewFeatures = 60;
+constexpr std::size_t kMinFeaturesAtRest = 60;
 
 }  // namespace
 
@@ -82,7 +82,8 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
                        : summary_.add_frame(seen.tracks, vision, guess);
     choose_features(frame, seen, T_current_previous);
     const bool kept = keep_if_due(frame, vision);
-    TrackedFrame tracked{T_current_previous, motion.T_world_cam(), state_.moving.before(), {}};
+    TrackedFrame tracked{
+        T_current_previous, motion.T_world_cam(), state_.dynamic_features.before(), {}};
     tracked.by_vision = vision.found;
     tracked.features = odometry::feature_counts(state_.features);
     tracked.to_map = to_map(frame, vision, kept);
@@ -93,12 +94,13 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
 Observed WindowTracker::observe(const types::RectifiedFrame& frame,
                                 const PredictedMotion& prediction) {
     const std::optional<Eigen::Isometry3d> expected = prediction.expected();
-    Observed seen = observe_frame(
-        state_,
-        frame,
-        state_.tracker.track(
-            frame.left, state_.moving.with_dynamic(state_.features), prediction.T_current_previous),
-        prediction);
+    Observed seen =
+        observe_frame(state_,
+                      frame,
+                      state_.tracker.track(frame.left,
+                                           state_.dynamic_features.with_dynamic(state_.features),
+                                           prediction.T_current_previous),
+                      prediction);
     const std::size_t num_previous = odometry::num_with_depth(state_.features);
     if (state_.map.empty() ||
         odometry::well_supported(state_.rig, seen.vision, num_previous, expected) ||
@@ -130,7 +132,7 @@ void WindowTracker::choose_features(const types::RectifiedFrame& frame,
                                     const Observed& seen,
                                     const Eigen::Isometry3d& T_current_previous) {
     // Outliers over a wide baseline are false matches: what moves by itself is too far away.
-    if (seen.predicted) state_.moving.classify(seen.pairs, seen.vision);
+    if (seen.predicted) state_.dynamic_features.classify(seen.pairs, seen.vision);
     state_.features = odometry::without_dynamic_features(seen.tracks, seen.pairs, seen.vision);
     odometry::add_lost_features(frame,
                                 T_current_previous,
@@ -164,7 +166,7 @@ bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,
                      : state_.map.due(state_.features, frame.timestamp_ns);
     };
     const bool keep = state_.map.empty() || begins || (vision.found && is_due());
-    if (keep || !vision.found || (rests && vision.inliers.size() < kFewFeatures))
+    if (keep || !vision.found || (rests && vision.inliers.size() < kMinFeaturesAtRest))
         odometry::add_new_features(state_.rig,
                                    frame,
                                    {},
@@ -192,10 +194,12 @@ std::optional<FrameToMap> WindowTracker::to_map(const types::RectifiedFrame& fra
     mapping_rule_.taken(state_.features);
     const types::DisparityRange range =
         stereo::disparity_search_range(state_.features, state_.options.num_disparities_px);  // 1
-    return FrameToMap{
-        frame,
-        {},
-        {std::move(view_), state_.moving.now(), odometry::static_features(vision), range}};
+    return FrameToMap{frame,
+                      {},
+                      {std::move(view_),
+                       state_.dynamic_features.now(),
+                       odometry::static_features(vision),
+                       range}};
 }
 
 void WindowTracker::move_to(types::Track& track) {

@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMaxPictureSide_px = 4096.0;
+constexpr double kMaxImageSide_px = 4096.0;
 constexpr double kMaxHeightSide_px = 1024.0;
 constexpr int kJpegQuality = 88;
 static_assert(std::endian::native == std::endian::little);  // as the page reads heights
@@ -41,8 +41,8 @@ cv::Mat no_larger(const cv::Mat& image, double max_image_side_px, int interpolat
 }
 
 std::string image_url(const std::filesystem::path& file) {
-    const cv::Mat mosaic = no_larger(
-        read_png(file, cv::IMREAD_UNCHANGED, CV_8UC4), kMaxPictureSide_px, cv::INTER_AREA);
+    const cv::Mat mosaic =
+        no_larger(read_png(file, cv::IMREAD_UNCHANGED, CV_8UC4), kMaxImageSide_px, cv::INTER_AREA);
     cv::Mat image;
     cv::cvtColor(mosaic, image, cv::COLOR_BGRA2BGR);
     cv::Mat unseen;

@@ -32,10 +32,10 @@ cv::Mat without_silhouettes(const cv::Mat& disparity_px) {
     constexpr double kFar = 1e6;
     cv::Mat known = disparity_px.clone();
     known.setTo(kFar, disparity_px <= 0.0F);
-    cv::Mat least;
-    cv::erode(known, least, cv::Mat::ones(kEdge, kEdge, CV_8U));
+    cv::Mat min_disparity_px;
+    cv::erode(known, min_disparity_px, cv::Mat::ones(kEdge, kEdge, CV_8U));
     cv::Mat result = disparity_px.clone();
-    result.setTo(0.0F, disparity_px - least > kFarther_half_px);
+    result.setTo(0.0F, disparity_px - min_disparity_px > kFarther_half_px);
     return result;
 }
 

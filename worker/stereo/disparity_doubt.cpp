@@ -15,10 +15,10 @@ constexpr float kFullDoubt_px = 2.5F;  // sigma where all winners around are dou
 
 void add_doubt(const cv::Mat& winners_px, cv::Mat& sigma_px) {
     const cv::Mat size = cv::abs(winners_px);
-    cv::Mat least, greatest, num_doubtful;
-    cv::erode(size, least, {});
-    cv::dilate(size, greatest, {});
-    cv::Mat doubtful = (greatest - least > kMaxStep_px) | (winners_px <= 0.0F);
+    cv::Mat min_px, max_px, num_doubtful;
+    cv::erode(size, min_px, {});
+    cv::dilate(size, max_px, {});
+    cv::Mat doubtful = (max_px - min_px > kMaxStep_px) | (winners_px <= 0.0F);
     cv::boxFilter(doubtful / 255, num_doubtful, CV_32F, {kWindow_px, kWindow_px}, {-1, -1}, false);
     constexpr float kPerPixel = kFullDoubt_px / static_cast<float>(kWindow_px * kWindow_px);
     for (int y = 0; y < sigma_px.rows; ++y) {

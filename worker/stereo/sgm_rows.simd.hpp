@@ -115,7 +115,7 @@ DIVEMESH_INLINE_BODY void forward_pixel(Sweep& sweep, int x, int num_vectors) {
     }
     std::uint8_t* paths[4];
     Step step[4];
-    V lowest[4];
+    V min_costs[4];
     for (int p = 0; p < 4; ++p) {
         paths[p] = p == 3
                        ? sweep.from_left
@@ -124,7 +124,7 @@ DIVEMESH_INLINE_BODY void forward_pixel(Sweep& sweep, int x, int num_vectors) {
             first_step(paths[p],
                        p == 3 ? sweep.left_min : broadcast(row.above[p].min_cost[sweep.slots[p]]),
                        row.penalty[p][x]);
-        lowest[p] = broadcast(255);
+        min_costs[p] = broadcast(255);
     }
     std::uint8_t* cost = row.cost + static_cast<std::ptrdiff_t>(x) * stride;
     std::uint8_t* sum = row.sum + static_cast<std::ptrdiff_t>(x) * stride;
@@ -138,12 +138,12 @@ DIVEMESH_INLINE_BODY void forward_pixel(Sweep& sweep, int x, int num_vectors) {
         V costs[4];
         for (int p = 0; p < 4; ++p) {
             costs[p] = take_step(step[p], paths[p], d, stride, c);
-            lowest[p] = min(lowest[p], costs[p]);
+            min_costs[p] = min(min_costs[p], costs[p]);
         }
         store(sum + d,
               add_saturated(add_saturated(costs[0], costs[1]), add_saturated(costs[2], costs[3])));
     }
-    const PathMinima minima = path_minima(lowest);
+    const PathMinima minima = path_minima(min_costs);
     row.above[0].min_cost[sweep.slots[0]] = min_of_path<0>(minima);
     row.above[1].min_cost[sweep.slots[1]] = min_of_path<1>(minima);
     row.above[2].min_cost[sweep.slots[2]] = min_of_path<2>(minima);

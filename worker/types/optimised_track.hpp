@@ -22,7 +22,7 @@ struct OptimiseStatistics {
     SolverTally pose_graph;         // of the loops
     SolverTally calibration;        // refined
     SolverTally bundle_adjustment;  // of the whole dive; tried again where its result was not taken
-    TrackCheck check;               // of the adjustment that was taken, or of the last one
+    TrackCheck check;               // of the bundle adjustment that was taken, or of the last one
     LoopStatistics loops;
     PathUncertainty path;  // of the final trajectory
 };

@@ -17,7 +17,8 @@ struct MediumChange {
     bool is_none() const { return focal_scale == 1.0 && refractive_index == 1.0; }
 };
 
-// How the right camera really stands against the left one, as a change of the stated calibration.
+// The real pose of the right camera relative to the left one, as a change of the stated
+// calibration.
 struct RigChange {
     static constexpr int kPitch = 0;  // rad, rotation of the right camera about its own axes
     static constexpr int kYaw = 1;
@@ -33,13 +34,13 @@ struct RigChange {
     MediumChange medium;  // `values` are of cameras that are changed by it
 };
 
-// What the images of a dive tell of the position of the right camera.
+// What the images of a dive determine of the right camera's pose.
 struct RigAlignment {
     enum class Outcome : std::uint8_t {
         Unknown,       // too few points were found in both images
-        Inconsistent,  // the points agree on no position of the cameras
+        Inconsistent,  // the points do not fit any relative pose
         AsStated,      // the stated calibration fits
-        Moved          // another position fits better
+        Moved          // another pose fits better
     };
 
     Outcome outcome = Outcome::Unknown;
@@ -47,12 +48,13 @@ struct RigAlignment {
     std::int32_t num_pairs = 0;
     std::int32_t num_matches = 0;
     std::int32_t num_inliers = 0;
-    RigChange change;  // as estimated; 0 where the images do not tell it from the stated value
+    // As estimated; 0 where it is not significantly different from the stated value.
+    RigChange change;
     RigChange::Vector sigmas = RigChange::Vector::Zero();  // 0: held at the stated value
     double row_shift_px = 0.0;   // RMS over the points, of what the change does to their rows
     double row_error_px = 0.0;   // of a point after the change: robust standard deviation
     double pair_error_px = 0.0;  // of the mean row of a pair after the change, RMS over the pairs
-    // Of ranges that have to agree from view to view:
+    // Of ranges that have to agree from frame to frame:
     std::int32_t num_windows = 0;          // short tracks of features that were used
     double disparity_bias_px = 0.0;        // by which stated disparities are too large
     double disparity_bias_sigma_px = 0.0;  // 0: unknown

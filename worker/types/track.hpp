@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -61,5 +63,10 @@ struct Track {
     TrackStatistics statistics;
     std::int32_t reduction = 1;  // the images were read at 1 / reduction of their size
 };
+
+// Returns the number of frames whose motion vision measured.
+inline std::ptrdiff_t num_by_vision(const Track& track) {
+    return std::ranges::count(track.motions, MotionSource::Vision);
+}
 
 }  // namespace divemesh::types

@@ -88,7 +88,7 @@ Looked look_at(const std::string& dive, double begin_s, double seconds) {
     return looked;
 }
 
-// How far the track is off, in standard deviations that it says itself; over pieces of dives.
+// How far the track is off, in standard deviations that it says itself; over parts of dives.
 double surprise(const std::string& dive, double seconds, int num_pieces) {
     double sum = 0.0;
     for (int i = 0; i < num_pieces; ++i) {

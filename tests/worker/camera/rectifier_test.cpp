@@ -91,7 +91,7 @@ TEST(RectifierTest, TakesTheMiddleOfAFisheyeImageThatSeesBehindItself) {
     EXPECT_NEAR(ideal.cy_px, 239.5, 1e-9);
 }
 
-// A fisheye image of which only a picture in the middle shows the scene, as of a lens made for a
+// A fisheye image of which only a part in the middle shows the scene, as of a lens made for a
 // smaller sensor.
 TEST(RectifierTest, KeepsTheResolutionOfASceneOnBlack) {
     types::Rig rig = converging_rig();

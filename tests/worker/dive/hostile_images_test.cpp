@@ -102,7 +102,7 @@ TEST(HostileImagesTest, AJpegThatEndsEarlyIsRefused) {
 
 // Random bytes after a valid header either decode to an image of the stated size or are refused
 // (S16).
-TEST(HostileImagesTest, GarbageBehindAGoodHeaderHurtsNobody) {
+TEST(HostileImagesTest, GarbageBehindAGoodHeaderHurtsNothing) {
     const std::string good = jpeg(false);
     const auto scan = good.find("\xff\xda") + 14;
     std::mt19937 random(1);

@@ -193,7 +193,7 @@ TEST(ImageChecksTest, TextThatTheCameraBurnsInIsMasked) {
 }
 
 // A small part of the image shows the scene; nine tenths are black and never change.
-TEST(ImageChecksTest, TheBorderOfAPictureOnBlackIsMaskedAndIsNoOverlay) {
+TEST(ImageChecksTest, TheBorderOfAnImageOnBlackIsMaskedAndIsNoOverlay) {
     const cv::Rect picture(240, 160, 200, 150);
     FixedPattern pattern;
     for (int frame = 0; frame < kNumFrames; ++frame) {

@@ -115,7 +115,7 @@ TEST(SmoothMembrane, ComesToRestOnATornSurface) {
     }
 }
 
-TEST(SmoothMembrane, BordersAreEvenedOutButKeepTheirOutline) {
+TEST(SmoothMembrane, BordersAreSmoothedButKeepTheirOutline) {
     const types::Mesh before = noisy_plane(100, 0.02F);
     types::Mesh mesh = before;
     smooth_membrane(mesh, 1);

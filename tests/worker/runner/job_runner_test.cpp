@@ -43,7 +43,7 @@ TEST_F(JobRunnerTest, TakesADiveThroughIntakeAndReconstruction) {
 }
 
 // S19
-TEST_F(JobRunnerTest, AnAttemptThatTalksWithoutEndHoldsUpNobody) {
+TEST_F(JobRunnerTest, AnAttemptThatTalksWithoutEndHoldsUpNothing) {
     const Job job = make_job("talk");
     Process worker = start_worker();
     ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();

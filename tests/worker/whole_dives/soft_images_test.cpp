@@ -84,8 +84,7 @@ protected:
             tracked(recording), options_, *folder_ / "reduced", recording, base::ignore_progress);
     }
     static std::size_t num_by_vision(const types::Track& track) {
-        return static_cast<std::size_t>(
-            std::count(track.motions.begin(), track.motions.end(), types::MotionSource::Vision));
+        return static_cast<std::size_t>(types::num_by_vision(track));
     }
 
     static inline std::unique_ptr<TemporaryFolder> folder_;
