@@ -25,7 +25,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("align_imu", options.align_imu, "estimate time offset and rotation between IMU and cameras (window estimator)");
     visit("close_loops", options.close_loops, "recognise revisited places and use them in the bundle adjustment");
     visit("surface", options.surface, "make the cloud, the mesh and what depends on them; false: only the trajectory");
-    visit("map_step", options.map_step, "motion of the image between fused frames, as a share of its width; 0: only keyframes");
+    visit("map_step", options.map_step, "motion of the image between fused frames, as a share of its width, or of the camera as if sideways; 0: only keyframes");
     visit("seed", options.seed, "seed of the random numbers of RANSAC");
     visit("adjust_whole_dive", options.adjust_whole_dive, "run bundle adjustment over the whole dive (window estimator)");
     visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion in the bundle adjustment (window estimator)");

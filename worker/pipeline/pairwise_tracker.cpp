@@ -82,8 +82,10 @@ std::optional<FrameToMap> PairwiseTracker::to_map(const types::RectifiedFrame& f
                                                   types::DepthMap depth,
                                                   const odometry::Registration& vision,
                                                   bool kept) {
-    if (!kept && !(vision.found && mapping_rule_.due(features_))) return std::nullopt;
-    mapping_rule_.taken(features_);
+    const keyframes::MappingView view{
+        features_, motion_.T_world_cam().translation(), odometry::median_disparity_px(features_)};
+    if (!kept && !(vision.found && mapping_rule_.due(view))) return std::nullopt;
+    mapping_rule_.taken(view);
     return FrameToMap{frame,
                       std::move(depth),
                       {{}, dynamic_features_.now(), odometry::static_features(vision), {}}};

@@ -190,8 +190,11 @@ bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,
 std::optional<FrameToMap> WindowTracker::to_map(const types::RectifiedFrame& frame,
                                                 const odometry::Registration& vision,
                                                 bool kept) {
-    if (!kept && !(vision.found && mapping_rule_.due(state_.features))) return std::nullopt;
-    mapping_rule_.taken(state_.features);
+    const keyframes::MappingView view{state_.features,
+                                      state_.motion.T_world_cam().translation(),
+                                      odometry::median_disparity_px(state_.features)};
+    if (!kept && !(vision.found && mapping_rule_.due(view))) return std::nullopt;
+    mapping_rule_.taken(view);
     const types::DisparityRange range =
         stereo::disparity_search_range(state_.features, state_.options.num_disparities_px);  // 1
     return FrameToMap{frame,
