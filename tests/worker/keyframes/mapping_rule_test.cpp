@@ -47,9 +47,7 @@ TEST(MappingRuleTest, AFrameIsDueWhenTheCameraMovedAsFarForward) {
     EXPECT_TRUE(is_due(0.0, {0.0, 0.0, 0.044}));
 }
 
-TEST(MappingRuleTest, WithoutAStepNoneIsDue) {
-    EXPECT_FALSE(is_due(400.0, {1.0, 1.0, 1.0}, 0.0));
-}
+TEST(MappingRuleTest, WithoutAStepNoneIsDue) { EXPECT_FALSE(is_due(400.0, {1.0, 1.0, 1.0}, 0.0)); }
 
 }  // namespace
 }  // namespace divemesh::keyframes
