@@ -28,7 +28,7 @@ constexpr double kMinRate_rad_s = 0.02;  // RMS; below this noise dominates
 constexpr double kNoise_rad_s = 0.008;   // of vision over a span, at worst
 constexpr double kFits = 0.1;            // unexplained shares
 constexpr double kContradicts = 0.25;
-// Of the unexplained share of another offset to that of the best near one.
+// Max share that another offset leaves unexplained, relative to the best near one.
 constexpr double kMaxUnexplainedRatio = 0.4;
 constexpr double kMaxTilt_rad = 20.0 * base::kRadPerDeg;
 constexpr double kRotationPrior = 0.05;  // of the correlation: holds axes without rotation

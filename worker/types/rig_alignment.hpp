@@ -54,7 +54,7 @@ struct RigAlignment {
     double row_shift_px = 0.0;   // RMS over the points, of what the change does to their rows
     double row_error_px = 0.0;   // of a point after the change: robust standard deviation
     double pair_error_px = 0.0;  // of the mean row of a pair after the change, RMS over the pairs
-    // Of ranges that have to agree from frame to frame:
+    // The ranges of one scene, which agree from frame to frame, determine:
     std::int32_t num_windows = 0;          // short tracks of features that were used
     double disparity_bias_px = 0.0;        // by which stated disparities are too large
     double disparity_bias_sigma_px = 0.0;  // 0: unknown
