@@ -24,7 +24,6 @@ namespace {
 
 constexpr std::size_t kMaxObservations = 20'000;
 constexpr int kMaxIterations = 10;
-constexpr int kMaxRounds = 4;
 constexpr double kHuber = 1.5;  // sigmas of independent errors
 // Change from round to round below which the linearisation is good enough.
 constexpr double kConverged_s = 5e-4;
@@ -87,20 +86,21 @@ CalibrationProblem::CalibrationProblem(const types::Track& track,
 
 types::SolverOutcome CalibrationProblem::solve(bool free_lenses,
                                                const base::ProgressCallback& progress,
-                                               const Progress& at) {
+                                               const Progress& at,
+                                               int max_rounds) {
     using Termination = types::SolverOutcome::Termination;
     types::SolverOutcome whole;
-    for (int i = 1; i <= kMaxRounds; ++i) {
-        Round done = round(free_lenses, i == kMaxRounds, progress, at);
+    for (int i = 1; i <= max_rounds; ++i) {
+        const CalibrationUnknowns before = unknowns_;
+        Round done = round(free_lenses, i == max_rounds, progress, at);
         if (i > 1) done.outcome.initial_cost = whole.initial_cost;
         done.outcome.num_iterations += whole.num_iterations;
         whole = std::move(done.outcome);
-        if (done.still) return whole;
+        if (done.still || whole.failed()) return whole;
+        if (i == max_rounds) whole.last_step_sigmas = moved_sigmas(before);
     }
-    if (!whole.failed()) {
-        whole.termination = Termination::StoppedAtLimit;
-        whole.message = "the calibration still moved in the last round";
-    }
+    whole.termination = Termination::StoppedAtLimit;
+    whole.message = "the calibration still moved in the last round";
     return whole;
 }
 
@@ -292,6 +292,24 @@ bool CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) 
     sigmas_.misalignment = covariance(unknowns_.misalignment.data(), 3);
     sigmas_.time_offset_s = std::sqrt(covariance(&unknowns_.time_offset_s, 1)(0, 0));
     return true;
+}
+
+double CalibrationProblem::moved_sigmas(const CalibrationUnknowns& before) const {
+    const auto rms = [](const auto& moved, const auto& covariance) {
+        const double squared = moved.dot(covariance.ldlt().solve(moved));
+        return std::sqrt(squared / static_cast<double>(moved.size()));
+    };
+    double sigmas = 0.0;
+    if (sigmas_.time_offset_s > 0.0)
+        sigmas = std::abs(unknowns_.time_offset_s - before.time_offset_s) / sigmas_.time_offset_s;
+    if (!sigmas_.misalignment.isZero(0.0))
+        sigmas = std::max(sigmas,
+                          rms(Eigen::Vector3d(unknowns_.misalignment - before.misalignment),
+                              sigmas_.misalignment));
+    if (!sigmas_.lenses.isZero(0.0))
+        sigmas =
+            std::max(sigmas, rms(LensChanges(unknowns_.lenses - before.lenses), sigmas_.lenses));
+    return sigmas;
 }
 
 double CalibrationProblem::shift_px(const LensChanges& changes) const {

@@ -38,17 +38,20 @@ std::array<types::LensChange, 2> split(const LensChanges& changes);
 // The bundle adjustment of a dive with its calibration free.
 class CalibrationProblem {
 public:
+    static constexpr int kMaxRounds = 4;
+
     CalibrationProblem(const types::Track& track,
                        const types::Recording& recording,
                        const imu::InertialPrior& inertial);
 
     // Solves in rounds of least squares, each linearised in time offset and lenses at the last
     // result. Returns how the last round ended, with the iterations and the first cost of them all;
-    // StoppedAtLimit also if the unknowns still changed in it, Failed also if they have no
-    // covariance.
+    // StoppedAtLimit also if the unknowns still changed in it (`last_step_sigmas` says how much),
+    // Failed also if they have no covariance.
     types::SolverOutcome solve(bool free_lenses,
                                const base::ProgressCallback& progress,
-                               const Progress& at);
+                               const Progress& at,
+                               int max_rounds = kMaxRounds);
     void hold_lenses(const LensChanges& changes) { unknowns_.lenses = changes; }
     const CalibrationUnknowns& unknowns() const { return unknowns_; }
     const CalibrationSigmas& sigmas() const { return sigmas_; }
@@ -80,6 +83,9 @@ private:
     void add_priors(ceres::Problem& problem, bool free_lenses);
     // Returns false if the information matrix cannot be factorised.
     bool find_sigmas(ceres::Problem& problem, bool free_lenses);
+    // Returns how far the unknowns moved, RMS of their sigmas; the largest of IMU rotation, time
+    // offset and lenses.
+    double moved_sigmas(const CalibrationUnknowns& before) const;
     LensReprojection::Shift shift_of(const std::array<camera::RectifiedLens, 2>& lenses,
                                      const Eigen::Vector3d& measured_px) const;
     std::array<camera::RectifiedLens, 2> lenses() const;

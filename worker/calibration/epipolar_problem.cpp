@@ -7,6 +7,7 @@
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/camera/rectified_lens.hpp"
+#include "worker/optimisation/irls_outcome.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/robust.hpp"
 
@@ -119,6 +120,15 @@ EpipolarProblem::NormalEquations EpipolarProblem::equations(
     return result;
 }
 
+double EpipolarProblem::cost(const EpipolarUnknowns& values,
+                             double error_px,
+                             const EpipolarUnknowns& prior_sigmas) const {
+    double sum = 0.0;
+    for (const double error : errors_px(values))
+        sum += stats::tukey_loss(error / error_px, stats::kTukey);
+    return sum + 0.5 * values.cwiseQuotient(prior_sigmas).squaredNorm();
+}
+
 EpipolarSolution EpipolarProblem::solve(const Held& held) const {
     double lens_sigma_px = kMaxLensSigma_px;
     EpipolarSolution solution = solve(held, lens_sigma_px);
@@ -136,9 +146,12 @@ EpipolarSolution EpipolarProblem::solve(const Held& held, double lens_sigma_px) 
     EpipolarSolution solution;
     solution.weights.assign(samples_.size(), 1.0);
     solution.error_px = 1.0;
+    double last_step_squared = 0.0;  // sigmas
     for (int step = 0; step < kNumSteps; ++step) {
         const NormalEquations normal = equations(solution, held, prior);
-        solution.values -= normal.information.ldlt().solve(normal.gradient);
+        const EpipolarUnknowns change = -normal.information.ldlt().solve(normal.gradient);
+        last_step_squared = change.dot(normal.information * change);
+        solution.values += change;
         const std::vector<double> errors = errors_px(solution.values);
         solution.error_px = robust_sigma(errors);
         if (step < kNumPlainSteps) continue;
@@ -146,6 +159,12 @@ EpipolarSolution EpipolarProblem::solve(const Held& held, double lens_sigma_px) 
             return stats::tukey_weight(error, stats::kTukey * solution.error_px);
         });
     }
+    solution.outcome = optimisation::outcome_of(optimisation::IrlsSteps{
+        .num_steps = kNumSteps,
+        .initial_cost = cost(EpipolarUnknowns::Zero(), solution.error_px, prior),
+        .final_cost = cost(solution.values, solution.error_px, prior),
+        .last_step_sigmas =
+            std::sqrt(last_step_squared / static_cast<double>(std::ranges::count(held, false)))});
     const NormalEquations last = equations(solution, held, prior);
     const EpipolarCovariance inverse = last.information.inverse();
     solution.covariance = inverse + inverse * last.between_pairs * inverse;

@@ -7,6 +7,7 @@
 #include "worker/types/rectified_rig.hpp"
 #include "worker/types/rig.hpp"
 #include "worker/types/rig_alignment.hpp"
+#include "worker/types/solver_outcome.hpp"
 #include "worker/types/stereo_match.hpp"
 
 namespace divemesh::calibration {
@@ -26,6 +27,7 @@ struct EpipolarSolution {
     EpipolarCovariance covariance = EpipolarCovariance::Zero();
     double error_px = 0.0;        // robust standard deviation of the residuals
     std::vector<double> weights;  // of the matches, 0 (outlier) to 1
+    types::SolverOutcome outcome;
 };
 
 // The least squares of the epipolar errors of matches, px:
@@ -71,6 +73,10 @@ private:
 
     Residual residual(const Sample& sample, const EpipolarUnknowns& values) const;
     EpipolarSolution solve(const Held& held, double lens_sigma_px) const;
+    // Returns the robust loss of errors at a scale, with that of the prior.
+    double cost(const EpipolarUnknowns& values,
+                double error_px,
+                const EpipolarUnknowns& prior_sigmas) const;
     NormalEquations equations(const EpipolarSolution& at,
                               const Held& held,
                               const EpipolarUnknowns& prior_sigmas) const;

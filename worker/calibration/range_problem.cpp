@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/optimisation/irls_outcome.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/robust.hpp"
 
@@ -45,11 +46,20 @@ public:
     }
 
     RangeSolution solve() {
+        const std::vector<double> initial_norms = norms();
+        double last_step_sigmas = 0.0;
         for (int step = 0; step < kNumSteps; ++step) {
             reweight();
-            this->step();
+            last_step_sigmas = this->step();
         }
-        return solution();
+        RangeSolution result = solution();
+        if (windows_.empty()) return result;
+        result.outcome = optimisation::outcome_of(
+            optimisation::IrlsSteps{.num_steps = kNumSteps,
+                                    .initial_cost = cost(initial_norms, prior_),
+                                    .final_cost = cost(norms(), values_),
+                                    .last_step_sigmas = last_step_sigmas});
+        return result;
     }
 
 private:
@@ -158,10 +168,23 @@ private:
         return shared;
     }
 
-    void reweight() {
+    // Returns those of the whitened residuals, px.
+    std::vector<double> norms() const {
         std::vector<double> norms;
         for (const Window& window : windows_)
             for (const Sample& sample : window.samples) norms.push_back(norm_of(sample, window));
+        return norms;
+    }
+
+    // Returns the robust loss of residuals at the present scale, with that of the prior.
+    double cost(const std::vector<double>& norms, const RangeUnknowns& values) const {
+        double sum = 0.0;
+        for (const double norm : norms) sum += stats::tukey_loss(norm / error_px_, stats::kTukey);
+        return sum + 0.5 * (values - prior_).cwiseQuotient(prior_sigmas_).squaredNorm();
+    }
+
+    void reweight() {
+        const std::vector<double> norms = this->norms();
         if (norms.empty()) return;
         error_px_ = std::max(kMinError_px, stats::upper_median(norms) / stats::kMedianNormOfThree);
         auto norm = norms.begin();
@@ -227,7 +250,8 @@ private:
         return all;
     }
 
-    void step() {
+    // Returns how far it moved the shared unknowns, RMS of their sigmas.
+    double step() {
         const std::vector<WindowEquations> all = all_equations();
         const Reduced shared = reduced(all);
         AllUnknowns step = AllUnknowns::Zero();
@@ -243,6 +267,8 @@ private:
             windows_[w].T_after_before = moved(windows_[w].T_after_before, step);
         }
         values_ += scaled(step);
+        const RangeUnknowns moved = step.tail<kNumRangeUnknowns>();
+        return std::sqrt(moved.dot(shared.information * moved) / kNumRangeUnknowns);
     }
 
     RangeSolution solution() const {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "worker/types/rectified_rig.hpp"
+#include "worker/types/solver_outcome.hpp"
 
 namespace divemesh::calibration {
 
@@ -34,6 +35,7 @@ struct RangeSolution {
     int num_matches = 0;    // inliers
     double bias_px = 0.0;   // by which disparities in the middle of the image are too large
     double bias_sigma_px = 0.0;
+    types::SolverOutcome outcome;  // failed without windows
 };
 
 // Returns what makes the ranges of one scene agree from frame to frame: a yaw of the right camera,

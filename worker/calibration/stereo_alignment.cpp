@@ -111,7 +111,7 @@ types::RigAlignment::Outcome judge(const types::RigAlignment& found,
                                    const EpipolarSolution& solution,
                                    double focal_px) {
     using Outcome = types::RigAlignment::Outcome;
-    if (found.num_inliers < kMinInlierShare * found.num_matches ||
+    if (solution.outcome.failed() || found.num_inliers < kMinInlierShare * found.num_matches ||
         found.pair_error_px > kMaxPairError_rad * focal_px)
         return Outcome::Inconsistent;
     const bool rows_moved = found.row_shift_px >= kMinRowShift_px && rows_significant(solution);
@@ -142,6 +142,7 @@ types::RigAlignment estimate_rig_alignment(const types::Rig& rig,
     result.sigmas = solution.covariance.diagonal().head<types::RigChange::kSize>().cwiseSqrt();
     result.row_shift_px = row_shift_px(problem, solution);
     result.row_error_px = solution.error_px;
+    result.row_solver.add(solution.outcome);
     result.pair_error_px =
         pair_error_px(agreeing, problem.errors_px(solution.values), solution.weights);
     result.outcome = judge(result, solution, rectified.focal_px);
@@ -160,6 +161,8 @@ void add_ranges(const types::Rig& rig,
                 types::RigAlignment& alignment) {
     alignment.num_windows = ranges.num_windows;
     if (ranges.num_windows == 0) return;
+    alignment.range_solver.add(ranges.outcome);
+    if (ranges.outcome.failed()) return;
     alignment.disparity_bias_px = ranges.bias_px;
     alignment.disparity_bias_sigma_px = ranges.bias_sigma_px;
     if (std::abs(ranges.bias_px) < std::max(kMinBias_px, kSignificantBias * ranges.bias_sigma_px))

@@ -23,7 +23,7 @@ RangeUnknowns expected_range_sigmas();
 
 // Adds yaw and principal point of the right camera to the alignment, if ranges of windows rectified
 // with it show that all disparities are biased: significantly, and enough to matter for the scale.
-// `rectified` is what the windows were rectified to.
+// A failed solution adds only that it failed. `rectified` is what the windows were rectified to.
 void add_ranges(const types::Rig& rig,
                 const types::RectifiedRig& rectified,
                 const RangeSolution& ranges,

@@ -4,6 +4,7 @@
 
 #include "worker/base/angle.hpp"
 #include "worker/compare/change_metric.hpp"
+#include "worker/io/solver_json.hpp"
 #include "worker/stats/distributions.hpp"
 
 namespace divemesh::compare {
@@ -41,6 +42,7 @@ json to_json(const CoRegistration& fit) {
             {"stable_share", fit.stable_share},
             {"residual_rms_m", fit.residual_rms_m},
             {"num_patches", fit.num_patches},
+            {"solver", io::to_json(fit.outcome)},
             {"uncertainty95",
              {{"about_m", to_json(fit.pivot)},
               {"x_m", bound(3)},

@@ -20,7 +20,6 @@ constexpr float kSameSide = 0.5F;  // min cosine between the normals of partners
 constexpr double kMinScale_m = 5e-4;
 constexpr double kSettled_m = 1e-5;
 constexpr std::size_t kMinPartners = 100;
-constexpr int kMaxRounds = 40;
 
 struct Partner {
     bool found = false;
@@ -180,11 +179,15 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
                                                  const SurfacePoints& b,
                                                  const Eigen::Isometry3d& T_a_b,
                                                  const IcpOptions& options) {
+    using Termination = types::SolverOutcome::Termination;
     CoRegistration result;
+    types::SolverOutcome& outcome = result.outcome;
+    outcome.termination = Termination::StoppedAtLimit;
+    outcome.message = "the last step was still large";
     result.T_a_b = T_a_b;
     double reach_m = options.max_step_m;
     std::vector<std::optional<std::uint32_t>> nearest_points(b.points.size());
-    for (int round = 0; round < kMaxRounds; ++round) {
+    for (int round = 0; round < options.max_rounds; ++round) {
         const auto partners = find_partners(a, b, result.T_a_b, options, reach_m, nearest_points);
         const auto num_found = static_cast<std::size_t>(
             std::ranges::count_if(partners, [](const Partner& p) { return p.found; }));
@@ -201,7 +204,20 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
         result.residual_rms_m = std::sqrt(fit.squares / std::max(1e-12, fit.weights));
         result.stable_share = static_cast<double>(fit.num_used) / static_cast<double>(num_found);
         result.T_a_b = moved(result.T_a_b, step, result.pivot);
-        if (step.tail<3>().norm() < kSettled_m && reach_m <= min_reach_m) break;
+        ++outcome.num_iterations;
+        outcome.final_cost = result.residual_rms_m * result.residual_rms_m;
+        if (round == 0) outcome.initial_cost = outcome.final_cost;
+        outcome.last_step_sigmas = std::sqrt(step.dot(fit.information * step) / 6.0) / scale_m;
+        if (!step.allFinite()) {
+            outcome.termination = Termination::Failed;
+            outcome.message = "the points do not determine the pose";
+            break;
+        }
+        if (step.tail<3>().norm() < kSettled_m && reach_m <= min_reach_m) {
+            outcome.termination = Termination::Converged;
+            outcome.message = "the last step was small";
+            break;
+        }
         reach_m = std::max(min_reach_m, 0.8 * reach_m);
     }
     return result;

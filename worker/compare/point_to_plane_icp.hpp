@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "worker/compare/m3c2.hpp"
+#include "worker/types/solver_outcome.hpp"
 
 namespace divemesh::compare {
 
@@ -28,6 +29,7 @@ struct CoRegistration {
     // 1986).
     Matrix6d covariance = Matrix6d::Zero();
     Eigen::Vector3d pivot = Eigen::Vector3d::Zero();
+    types::SolverOutcome outcome;  // of ICP; costs: weighted mean square of the residuals, m^2
 
     // Returns the standard deviation along a direction at a point, m.
     double sigma_m(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const;
@@ -37,6 +39,7 @@ struct IcpOptions {
     double patch_m = 0.3;  // size of patches whose errors count as independent
     double tolerance_m = 0.02;
     double max_step_m = 0.3;  // of the first search; must cover the error of the coarse alignment
+    int max_rounds = 40;
     int num_threads = 0;
 };
 

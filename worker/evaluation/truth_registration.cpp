@@ -14,6 +14,7 @@
 #include "worker/evaluation/alignment.hpp"
 #include "worker/evaluation/motion_correlation.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
+#include "worker/io/solver_json.hpp"
 
 namespace divemesh::evaluation {
 namespace {
@@ -47,6 +48,12 @@ struct Row {
     Eigen::Matrix<double, 3, 10> J = Eigen::Matrix<double, 3, 10>::Zero();
 };
 
+double squares_m2(const std::vector<Row>& rows) {
+    double sum = 0.0;
+    for (const Row& row : rows) sum += row.residual.squaredNorm();
+    return sum;
+}
+
 class Registration {
 public:
     Registration(const types::Trajectory& estimate,
@@ -78,10 +85,18 @@ public:
         return result;
     }
 
+    struct Solution {
+        State state;
+        types::SolverOutcome outcome;
+    };
+
     // Solves by Gauss-Newton. Returns nullopt if poses move outside the truth during the
     // iterations.
-    std::optional<State> solve(State state) const {
+    std::optional<Solution> solve(State state) const {
         constexpr int kMaxIterations = 50;
+        using Termination = types::SolverOutcome::Termination;
+        types::SolverOutcome outcome{.termination = Termination::StoppedAtLimit,
+                                     .message = "the last step was still large"};
         const types::Trajectory here = shifted(truth_, state.offset_s);
         auto pairs = pair_poses(estimate_, here, {});
         if (pairs.size() < kMinPoses) return std::nullopt;
@@ -90,12 +105,21 @@ public:
         for (int i = 0; i < kMaxIterations; ++i) {
             const auto equations = rows(state);
             if (equations.size() < kMinPoses) return std::nullopt;
+            const double cost = squares_m2(equations);
+            if (i == 0) outcome.initial_cost = cost;
+            if (i > 0) outcome.last_decrease = (outcome.final_cost - cost) / outcome.final_cost;
+            outcome.final_cost = cost;
             const Vector10d step = step_of(equations);
             if (!step.allFinite()) return std::nullopt;
             apply(step, state);
-            if (step.norm() < 1e-10) break;
+            ++outcome.num_iterations;
+            if (step.norm() < 1e-10) {
+                outcome.termination = Termination::Converged;
+                outcome.message = "the last step was small";
+                break;
+            }
         }
-        return state;
+        return Solution{state, outcome};
     }
 
 private:
@@ -137,9 +161,7 @@ private:
 };
 
 double rms_m(const std::vector<Row>& rows) {
-    double sum = 0.0;
-    for (const Row& row : rows) sum += row.residual.squaredNorm();
-    return std::sqrt(sum / static_cast<double>(rows.size()));
+    return std::sqrt(squares_m2(rows) / static_cast<double>(rows.size()));
 }
 
 // Returns the integrated autocorrelation time of the residuals, in samples, up to the first lag at
@@ -295,24 +317,29 @@ TruthRegistration as_given(const TruthOptions& options) {
 }
 
 // Returns the best of the solutions that start at each likely offset.
-State best_state(const Registration& registration,
-                 const types::Trajectory& estimate,
-                 const types::Trajectory& truth,
-                 const TruthOptions& options) {
+Registration::Solution best_solution(const Registration& registration,
+                                     const types::Trajectory& estimate,
+                                     const types::Trajectory& truth,
+                                     const TruthOptions& options) {
     std::vector<double> offsets_s = {options.time_offset_s};
     if (options.solve_time_offset) offsets_s = likely_time_offsets_s(estimate, truth);
-    std::optional<State> best;
+    std::optional<Registration::Solution> best;
     double best_rms_m = std::numeric_limits<double>::infinity();
     for (const double offset_s : offsets_s) {
         State start = initial_state(options);
         start.offset_s = offset_s;
         const auto solved = registration.solve(start);
         if (!solved) continue;
-        const auto rows = registration.rows(*solved);
+        const auto rows = registration.rows(solved->state);
         if (rows.size() < kMinPoses || rms_m(rows) >= best_rms_m) continue;
         best_rms_m = rms_m(rows);
         best = solved;
     }
+    if (best && best->outcome.still_moving())
+        throw Error(ErrorCode::BadData,
+                    "lever arm or time offset cannot be solved, because " +
+                        std::to_string(best->outcome.num_iterations) +
+                        " iterations did not suffice: give both as measured");
     if (best) return *best;
     throw Error(ErrorCode::BadData,
                 options.solve_time_offset && offsets_s.empty()
@@ -335,7 +362,8 @@ TruthRegistration register_truth(const types::Trajectory& estimate,
                     "the estimate has fewer than " + std::to_string(kMinPoses) +
                         " poses, too few to solve lever arm or time offset: give both as measured");
     const Registration registration(estimate, truth, options);
-    const State state = best_state(registration, estimate, truth, options);
+    const auto [state, outcome] = best_solution(registration, estimate, truth, options);
+    result.outcome = outcome;
     const auto rows = registration.rows(state);
     result.num_poses = std::ssize(rows);
     result.residual_rms_m = rms_m(rows);
@@ -380,6 +408,7 @@ nlohmann::json to_metrics(const TruthRegistration& registration, const TruthOpti
     if (registration.num_poses == 0) return json;
     json["num_poses"] = registration.num_poses;
     json["residual_rms_m"] = registration.residual_rms_m;
+    json["solver"] = io::to_json(registration.outcome);
     if (const auto sigma_s = registration.time_offset_sigma_s) {
         json["time_offset_s"]["how"] = "solved";
         json["time_offset_s"]["sigma"] = *sigma_s;

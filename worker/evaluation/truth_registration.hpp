@@ -8,6 +8,7 @@
 #include "schemas/truth_options.hpp"
 #include "worker/evaluation/trajectory_error_options.hpp"
 #include "worker/types/recording.hpp"
+#include "worker/types/solver_outcome.hpp"
 
 namespace divemesh::evaluation {
 
@@ -23,13 +24,15 @@ struct TruthRegistration {
     bool has_orientation = true;  // false: the truth has only positions
     std::int64_t num_poses = 0;   // used by the solution; 0: no solution was computed
     double residual_rms_m = 0.0;
+    types::SolverOutcome outcome;  // costs: sum of the squared residuals, m^2
 };
 
 // Solves for what the options request, by least squares over positions together with the SE(3)
 // between the worlds (Gauss-Newton). The offset is initialised where rates of rotation, or speeds
 // if the truth has no rotations, correlate best, over all offsets at which half of the estimate
 // lies in the truth. Throws Error{BadData} if the motion does not determine a requested quantity: a
-// lever arm if the rig rotated about fewer than two axes, an offset if its velocity did not change.
+// lever arm if the rig rotated about fewer than two axes, an offset if its velocity did not change,
+// either if Gauss-Newton stops at its limit while the residuals are still falling.
 TruthRegistration register_truth(const types::Trajectory& estimate,
                                  const types::Trajectory& truth,
                                  const TruthOptions& options);

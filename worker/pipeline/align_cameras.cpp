@@ -212,6 +212,7 @@ Aligned aligned(const types::Recording& recording,
         alignment.change = rows.change;
         alignment.sigmas = rows.sigmas;
     }
+    if (ranges.outcome.failed()) return result;
     const double focal_px = camera::rectified_rig(stated, recording.fixed_pattern()).focal_px;
     result.num_ranges = ranges.num_matches;
     result.disparity_bias_rad = ranges.bias_px / focal_px;

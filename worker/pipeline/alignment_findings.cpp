@@ -67,12 +67,32 @@ Finding inconsistent_finding(const types::RigAlignment& alignment) {
             "the cameras cannot move against each other."};
 }
 
+// Adds a warning if the solve whose result is the alignment failed or stopped while still moving.
+void add_solver(const types::SolverTally& tally,
+                const std::string& what,
+                std::vector<Finding>& findings) {
+    if (tally.num_failed + tally.num_still_moving == 0) return;
+    findings.push_back(
+        {Severity::Warning,
+         "alignment_not_converged",
+         "mav0/cam1/sensor.yaml",
+         "the estimate of the right camera's position from " + what +
+             (tally.num_failed > 0 ? " failed, so the calibration is used as stated there"
+                                   : " had not converged at its limit of iterations"),
+         "Calibrate the stereo pair again, or record the scene from more places."});
+}
+
 }  // namespace
 
 std::vector<Finding> alignment_findings(const types::RigAlignment& alignment) {
     using Outcome = types::RigAlignment::Outcome;
-    if (alignment.outcome == Outcome::Inconsistent) return {inconsistent_finding(alignment)};
     std::vector<Finding> findings;
+    add_solver(alignment.row_solver, "the rows of the images", findings);
+    add_solver(alignment.range_solver, "ranges", findings);
+    if (alignment.outcome == Outcome::Inconsistent) {
+        findings.push_back(inconsistent_finding(alignment));
+        return findings;
+    }
     if (const auto& medium = alignment.change.medium; !medium.is_none())
         findings.push_back(medium_finding(medium));
     if (alignment.outcome == Outcome::Moved && alignment.shift_px() >= kMinShift_px)

@@ -15,6 +15,7 @@
 #include "worker/base/text.hpp"
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/io/rig_json.hpp"
+#include "worker/io/solver_json.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -227,29 +228,21 @@ json loops(const types::LoopStatistics& loops) {
             {"largest_correction_m", loops.largest_correction_m}};
 }
 
-json solver(const types::SolverTally& tally) {
-    return {{"num_solves", tally.num_solves},
-            {"num_converged", tally.num_converged},
-            {"num_stopped_at_limit", tally.num_stopped_at_limit},
-            {"num_failed", tally.num_failed},
-            {"num_iterations", tally.num_iterations},
-            {"initial_cost", tally.initial_cost},
-            {"final_cost", tally.final_cost}};
-}
-
 json estimation(const MetricsInput& input) {
     json solvers = json::object();
     const auto add = [&](const char* name, const types::SolverTally& tally) {
-        if (tally.num_solves > 0) solvers[name] = solver(tally);
+        if (tally.num_solves > 0) solvers[name] = io::to_json(tally);
     };
+    add("alignment_rows", input.alignment.row_solver);
+    add("alignment_ranges", input.alignment.range_solver);
     add("pose", input.track.pose_solver);
     add("window", input.track.window_solver);
     add("pose_graph", input.optimise.pose_graph);
     add("calibration", input.optimise.calibration);
     add("adjustment", input.optimise.bundle_adjustment);
     json result = {{"solvers", std::move(solvers)}};
-    if (input.optimise.bundle_adjustment.num_solves == 0) return result;
     const types::TrackCheck& check = input.optimise.check;
+    if (check.before.reprojection_rms_px <= 0.0) return result;  // nothing to check it against
     const auto agreement = [](const types::TrackAgreement& of) -> json {
         return {{"reprojection_rms_px", of.reprojection_rms_px},
                 {"odometry_rms_sigmas", of.odometry_rms_sigmas}};

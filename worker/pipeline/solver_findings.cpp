@@ -11,9 +11,8 @@ namespace {
 // Share of the solves of one kind. A few frames may be left to the motion model; more failures are
 // a sign that images or sensors do not fit.
 constexpr double kMaxFailedShare = 0.05;
-// Relative decrease of the cost by the last step: residuals still shrink by half a percent per
-// step.
-constexpr double kStillFalling = 0.01;
+// Share of the motions between two frames.
+constexpr double kMaxUnfinishedShare = 0.05;
 // Ten times the noise of a feature, u and v together. The sliding window rejects single
 // observations at half of it, so an RMS as large as this is not a fit.
 constexpr double kDiverged_px = 3.5;
@@ -22,18 +21,45 @@ constexpr double kDiverged_px = 3.5;
 constexpr double kDivergedPath = 3.0;
 constexpr double kPathSlack_m = 1.0;
 
+bool is_above(double share, std::int64_t num, std::int64_t num_solves) {
+    return static_cast<double>(num) > share * static_cast<double>(num_solves);
+}
+
+std::string cases(std::int64_t num, std::int64_t num_solves) {
+    return std::to_string(num) + " of " + std::to_string(num_solves) + " cases";
+}
+
 void add_failed(const types::SolverTally& tally,
                 const std::string& what,
                 std::vector<Finding>& findings) {
-    if (static_cast<double>(tally.num_failed) <=
-        kMaxFailedShare * static_cast<double>(tally.num_solves))
-        return;
-    findings.push_back({Severity::Warning,
-                        "solver_failed",
-                        "",
-                        what + " failed in " + std::to_string(tally.num_failed) + " of " +
-                            std::to_string(tally.num_solves) + " cases: poses there may be off",
-                        kTrackBetter});
+    if (is_above(kMaxFailedShare, tally.num_failed, tally.num_solves))
+        findings.push_back({Severity::Warning,
+                            "solver_failed",
+                            "",
+                            what + " failed in " + cases(tally.num_failed, tally.num_solves) +
+                                ": poses there may be off",
+                            kTrackBetter});
+}
+
+void add_unfinished(const types::SolverTally& tally,
+                    const std::string& what,
+                    std::vector<Finding>& findings) {
+    if (is_above(kMaxUnfinishedShare, tally.num_still_moving, tally.num_solves))
+        findings.push_back({Severity::Warning,
+                            "solver_not_converged",
+                            "",
+                            what + " had not converged at its limit of iterations in " +
+                                cases(tally.num_still_moving, tally.num_solves) +
+                                ": poses there may be off",
+                            kTrackBetter});
+}
+
+std::string last_step(const types::SolverOutcome& outcome) {
+    if (outcome.last_step_sigmas > types::SolverOutcome::kMaxLastStepSigmas)
+        return "its last step still moved the result by " +
+               base::fixed(outcome.last_step_sigmas, 1) + " of its standard deviations";
+    return "its cost was still falling by " + base::fixed(100.0 * outcome.last_decrease, 1) +
+           " % a step";
 }
 
 Finding diverged(const std::string& what) {
@@ -80,7 +106,9 @@ std::vector<bool> jumps_of(const types::OptimisedTrack& result) {
 
 std::vector<Finding> window_findings(const types::TrackStatistics& track) {
     std::vector<Finding> findings;
-    add_failed(track.pose_solver, "the refinement of the motion between two frames", findings);
+    const std::string pose = "the refinement of the motion between two frames";
+    add_failed(track.pose_solver, pose, findings);
+    add_unfinished(track.pose_solver, pose, findings);
     add_failed(track.window_solver, "bundle adjustment of the sliding window", findings);
     return findings;
 }
@@ -94,13 +122,12 @@ std::vector<Finding> solver_findings(const types::SolverOutcome& outcome,
                  "",
                  what + " failed: " + outcome.message,
                  "check the calibration and the inertial sensors of the dive"}};
-    if (!outcome.stopped_early() || outcome.last_decrease <= kStillFalling) return {};
+    if (!outcome.still_moving()) return {};
     return {{Severity::Warning,
              code,
              "",
              what + " stopped after " + std::to_string(outcome.num_iterations) +
-                 " iterations while its cost was still falling by " +
-                 base::fixed(100.0 * outcome.last_decrease, 1) + " % a step: " + outcome.message,
+                 " iterations while " + last_step(outcome) + ": " + outcome.message,
              "compare the result with what is known about the place before it is used"}};
 }
 

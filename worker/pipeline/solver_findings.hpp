@@ -12,11 +12,12 @@
 // What the user is told about the solvers of tracking and optimisation.
 namespace divemesh::pipeline {
 
-// Returns the findings about failures of the solvers during tracking.
+// Returns the findings about solvers that failed during tracking, and about motions between frames
+// that stopped at their limit while still moving. The window stops there on purpose.
 std::vector<Finding> window_findings(const types::TrackStatistics& track);
 
-// Returns a warning if a solve failed, or if it stopped at its limit while its cost was still
-// falling; otherwise an empty list. `code` is the code of the finding, `what` names the solve in
+// Returns a warning if a solve failed, or if it stopped at its limit while still moving; otherwise
+// an empty list. `code` is the code of the finding, `what` names the solve in
 // its message.
 std::vector<Finding> solver_findings(const types::SolverOutcome& outcome,
                                      const std::string& code,

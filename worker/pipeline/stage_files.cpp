@@ -145,6 +145,8 @@ void fields(auto& file, Is<types::RigAlignment> auto& alignment) {
                         &alignment.disparity_bias_px,
                         &alignment.disparity_bias_sigma_px})
         file.plain(*value);
+    file.plain(alignment.row_solver);
+    file.plain(alignment.range_solver);
 }
 
 void fields(auto& file, Is<types::Track> auto& track) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 // Robust estimation of a scale, and weights by it.
@@ -19,6 +20,13 @@ inline double tukey_weight(double residual, double limit) {
     const double share = residual / limit;
     if (std::abs(share) >= 1.0) return 0.0;
     return (1.0 - share * share) * (1.0 - share * share);
+}
+
+// Returns the loss whose weight that is: half of the squared residual where it is small.
+inline double tukey_loss(double residual, double limit) {
+    const double share = std::min(1.0, std::abs(residual / limit));
+    const double rest = 1.0 - share * share;
+    return limit * limit / 6.0 * (1.0 - rest * rest * rest);
 }
 
 }  // namespace divemesh::stats

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include "worker/types/solver_outcome.hpp"
+
 namespace divemesh::types {
 
 // What changes about cameras that record in another medium than that of their calibration: rays are
@@ -58,6 +60,8 @@ struct RigAlignment {
     std::int32_t num_windows = 0;          // short tracks of features that were used
     double disparity_bias_px = 0.0;        // by which stated disparities are too large
     double disparity_bias_sigma_px = 0.0;  // 0: unknown
+    SolverTally row_solver;                // of the solve whose result this is, if any
+    SolverTally range_solver;
 
     bool moves_disparities() const {
         return sigmas[RigChange::kYaw] > 0.0 || sigmas[RigChange::kCentre] > 0.0;

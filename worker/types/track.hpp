@@ -32,7 +32,7 @@ struct TrackStatistics {
     double median_depth_m = 0.0;               // of the features
     double median_track_life_frames = 0.0;
     SolverTally pose_solver;    // outcomes of step 6
-    SolverTally window_solver;  // sliding window; stopping at its limit is no error
+    SolverTally window_solver;  // sliding window; the next keyframe solves it again
     SearchStatistics dense;     // frames whose depth is in the store
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <numbers>
 #include <random>
 
@@ -78,6 +79,8 @@ TEST(RangeProblemTest, TellsAYawFromAPrincipalPoint) {
     const RangeSolution shifted =
         solve_ranges(rig(), Windows(0.0, 1.5).make(12), kNoChange, kSigmas);
 
+    EXPECT_TRUE(turned.outcome.converged()) << turned.outcome.message;
+    EXPECT_LT(turned.outcome.final_cost, 0.5 * turned.outcome.initial_cost);
     EXPECT_NEAR(turned.values[0], 0.5 * kDeg, 0.03 * kDeg);
     EXPECT_NEAR(turned.values[1], 0.0, 0.3);
     EXPECT_NEAR(turned.bias_px, 490.0 * 0.5 * kDeg, 4.0 * turned.bias_sigma_px);
@@ -93,6 +96,13 @@ TEST(RangeProblemTest, FindsNoBiasInARightCalibration) {
     EXPECT_LT(std::abs(found.bias_px), 4.0 * found.bias_sigma_px);
     EXPECT_LT(found.bias_sigma_px, 0.1);
     EXPECT_NEAR(found.error_px, kNoise_px, 0.04);
+}
+
+TEST(RangeProblemTest, FailsWhereAGuessIsNotFinite) {
+    std::vector<RangeWindow> windows = Windows(0.0, 0.0).make(2);
+    windows[1].T_after_before.translation().x() = std::numeric_limits<double>::quiet_NaN();
+
+    EXPECT_TRUE(solve_ranges(rig(), windows, kNoChange, kSigmas).outcome.failed());
 }
 
 TEST(RangeProblemTest, KnowsNothingWithoutWindows) {

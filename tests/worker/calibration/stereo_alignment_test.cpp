@@ -105,6 +105,8 @@ TEST(StereoAlignmentTest, FindsTheRotationOfAKnockedCamera) {
         const types::RigAlignment found = estimate(Pairs(real).matches(12, 150));
 
         EXPECT_EQ(found.outcome, Outcome::Moved) << degrees.transpose();
+        EXPECT_EQ(found.row_solver.num_failed + found.row_solver.num_still_moving, 0);
+        EXPECT_LT(found.row_solver.final_cost, found.row_solver.initial_cost);
         EXPECT_LT(error_deg(found, real), 0.03) << degrees.transpose();
         EXPECT_NEAR(found.row_error_px, kNoise_px, 0.05) << degrees.transpose();
     }

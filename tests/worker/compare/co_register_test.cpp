@@ -91,6 +91,29 @@ TEST(CoRegister, RefusesAnotherPlace) {
     }
 }
 
+TEST(CoRegister, IcpSaysWhetherItConverged) {
+    const HeightOf ground = rough_ground(1);
+    const std::vector<float> unknown;
+    const types::Mesh a = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, 1);
+    const types::Mesh b = moved(ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, 2),
+                                pose(0.02, 0.0, {0.04, -0.03, 0.02}));
+    const PointGrid grid_a(a.vertices, 0.06F);
+    const PointGrid grid_b(b.vertices, 0.06F);
+    const auto fit = [&](int max_rounds) {
+        return point_to_plane_icp({a.vertices, a.normals, unknown, grid_a},
+                                  {b.vertices, b.normals, unknown, grid_b},
+                                  Eigen::Isometry3d::Identity(),
+                                  {.max_rounds = max_rounds, .num_threads = 2});
+    };
+    const auto stopped = fit(2);
+    const auto done = fit(IcpOptions{}.max_rounds);
+    ASSERT_TRUE(stopped && done);
+    EXPECT_TRUE(stopped->outcome.still_moving()) << stopped->outcome.last_step_sigmas;
+    EXPECT_EQ(stopped->outcome.num_iterations, 2);
+    EXPECT_FALSE(done->outcome.still_moving()) << done->outcome.last_step_sigmas;
+    EXPECT_LT(done->outcome.final_cost, done->outcome.initial_cost);
+}
+
 // If the stated uncertainty of surfaces is centimetres, large parts of any ground lie within it.
 TEST(CoRegister, RefusesAnotherPlaceAlsoWhereSurfacesAreNotWellKnown) {
     for (const unsigned place : {22U, 30U, 42U}) {

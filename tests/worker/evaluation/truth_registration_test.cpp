@@ -111,6 +111,8 @@ TEST(TruthRegistration, FindsLeverArmAxesAndOffsetOfAnExternalTracker) {
         found.T_body_marker.linear().transpose() * T_body_marker().linear();
     EXPECT_LT(Eigen::AngleAxisd(rotation).angle(), 1e-3);
     EXPECT_TRUE(found.has_orientation);
+    EXPECT_TRUE(found.outcome.converged()) << found.outcome.message;
+    EXPECT_LT(found.outcome.final_cost, found.outcome.initial_cost);
 }
 
 TEST(TruthRegistration, TheErrorIsThatOfThePathAloneOnceTheTruthLiesRight) {

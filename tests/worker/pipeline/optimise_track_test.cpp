@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "tests/synthetic/floor_swim.hpp"
+#include "tests/synthetic/ideal_rig.hpp"
 #include "tests/synthetic/pose_near.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
 #include "tests/synthetic/tracked_dive.hpp"
@@ -78,23 +79,6 @@ Eigen::Isometry3d surging(double frame) {
     return T_world_cam;
 }
 
-// Returns the calibration, without distortion, that rectifies to `rig`.
-types::Rig ideal_cameras(const types::RectifiedRig& rig) {
-    types::Rig result;
-    result.cam0 = {.width_px = rig.width_px,
-                   .height_px = rig.height_px,
-                   .fx_px = rig.focal_px,
-                   .fy_px = rig.focal_px,
-                   .cx_px = rig.cx_px,
-                   .cy_px = rig.cy_px,
-                   .distortion = types::Distortion::None,
-                   .distortion_coefficients = {}};
-    result.cam1 = result.cam0;
-    result.T_imu_cam0 = result.T_imu_cam1 = rig.T_imu_cam;
-    result.T_imu_cam1.translate(rig.baseline_m * Eigen::Vector3d::UnitX());
-    return result;
-}
-
 // A low-pass filter delays the gyroscope, and not the accelerometer beside it. The refinement sees
 // the gyroscope alone and takes its delay for the clock's, so the accelerometer comes out of step.
 TEST_F(OptimiseTrackTest, LeavesACalibrationThatTheAccelerometerContradicts) {
@@ -103,7 +87,7 @@ TEST_F(OptimiseTrackTest, LeavesACalibrationThatTheAccelerometerContradicts) {
     const auto T_world_imu_at = [&](double t_s) {
         return Eigen::Isometry3d(surging(10.0 * t_s) * track.rig.T_imu_cam.inverse());
     };
-    recording_.its_rig = ideal_cameras(track.rig);
+    recording_.its_rig = synthetic::ideal_cameras(track.rig);
     recording_.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 1e-4, 2e-4};
     recording_.its_imu = synthetic::imu_along(T_world_imu_at, 0.0, 0.5 * kNumKeyframes, {});
     const auto late =

@@ -5,6 +5,8 @@
 #include <limits>
 #include <string>
 
+#include "worker/pipeline/alignment_findings.hpp"
+
 namespace divemesh::pipeline {
 namespace {
 
@@ -22,6 +24,52 @@ TEST(WindowFindingsTest, AWindowThatStopsAtItsLimitIsNoFinding) {
     track.window_solver.num_failed = 4;
     ASSERT_EQ(window_findings(track).size(), 1U);
     EXPECT_EQ(window_findings(track)[0].code, "solver_failed");
+}
+
+TEST(WindowFindingsTest, MotionsThatOftenStopWhileStillMovingAreToldOnce) {
+    types::TrackStatistics track = tracked(100, 100);
+    track.pose_solver = {.num_solves = 100, .num_stopped_at_limit = 50, .num_still_moving = 5};
+    EXPECT_TRUE(window_findings(track).empty());
+    track.pose_solver.num_still_moving = 6;
+    ASSERT_EQ(window_findings(track).size(), 1U);
+    EXPECT_EQ(window_findings(track)[0].code, "solver_not_converged");
+}
+
+TEST(SolverFindingsTest, ALastStepOfMoreThanItsNoiseIsAFinding) {
+    types::SolverOutcome outcome;
+    outcome.termination = types::SolverOutcome::Termination::StoppedAtLimit;
+    outcome.last_step_sigmas = 0.9;
+    EXPECT_TRUE(solver_findings(outcome, "code", "it").empty());
+    outcome.last_step_sigmas = 2.5;
+    const std::vector<Finding> findings = solver_findings(outcome, "code", "it");
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_NE(findings[0].message.find("2.5 of its standard deviations"), std::string::npos);
+}
+
+TEST(SolverTallyTest, CountsWhatIsStillMoving) {
+    types::SolverOutcome outcome;
+    outcome.termination = types::SolverOutcome::Termination::StoppedAtLimit;
+    types::SolverTally tally;
+    tally.add(outcome);
+    outcome.last_decrease = 0.2;
+    tally.add(outcome);
+    EXPECT_EQ(tally.num_stopped_at_limit, 2);
+    EXPECT_EQ(tally.num_still_moving, 1);
+}
+
+// Where a solve of the alignment says nothing, its result is not told as a fact alone.
+TEST(AlignmentFindingsTest, ASolveThatFailsOrIsStillMovingIsTold) {
+    types::RigAlignment alignment;
+    alignment.outcome = types::RigAlignment::Outcome::AsStated;
+    alignment.row_solver = {.num_solves = 1, .num_converged = 1};
+    alignment.range_solver = {.num_solves = 1, .num_stopped_at_limit = 1};
+    EXPECT_TRUE(alignment_findings(alignment).empty());
+    alignment.range_solver.num_still_moving = 1;
+    ASSERT_EQ(alignment_findings(alignment).size(), 1U);
+    EXPECT_EQ(alignment_findings(alignment)[0].code, "alignment_not_converged");
+    alignment.range_solver = {.num_solves = 1, .num_failed = 1};
+    ASSERT_EQ(alignment_findings(alignment).size(), 1U);
+    EXPECT_NE(alignment_findings(alignment)[0].message.find("failed"), std::string::npos);
 }
 
 TEST(SolverFindingsTest, ALimitMattersWhileTheCostIsStillFalling) {
