@@ -21,6 +21,7 @@
 #include "worker/io/ply.hpp"
 #include "worker/io/reconstruction_folder.hpp"
 #include "worker/io/trajectory_file.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::bench {
 namespace {
@@ -189,11 +190,6 @@ double mean_of(const std::vector<double>& values) {
     return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
 }
 
-double median_of(std::vector<double> values) {
-    std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-    return values[values.size() / 2];
-}
-
 // Summarises the squares of one dive or of many.
 json summary(const std::vector<Sample>& samples) {
     std::vector<double> errors, widths, held, squares;
@@ -205,9 +201,9 @@ json summary(const std::vector<Sample>& samples) {
     }
     return {{"num_squares", samples.size()},
             {"held", mean_of(held)},
-            {"median_error", median_of(errors)},
+            {"median_error", stats::upper_median(errors)},
             {"mean_error", mean_of(errors)},
-            {"median_half_width", median_of(widths)},
+            {"median_half_width", stats::upper_median(widths)},
             {"error_rms_sigmas", std::sqrt(mean_of(squares))}};
 }
 
@@ -232,7 +228,7 @@ json to_json(const Gathered& gathered) {
     json result = summary(gathered.squares);
     result["num_dives"] = gathered.held_by_dive.size();
     result["held_mean_of_dives"] = mean_of(gathered.held_by_dive);
-    result["median_of_dives_mean_error"] = median_of(gathered.error_by_dive);
+    result["median_of_dives_mean_error"] = stats::upper_median(gathered.error_by_dive);
     return result;
 }
 

@@ -18,6 +18,7 @@
 #include "tests/end_to_end/process.hpp"
 #include "tests/flaky_proxy.hpp"
 #include "tests/temporary_folder.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::bench {
 namespace {
@@ -40,11 +41,6 @@ struct Options {
 
 double seconds_since(Clock::time_point start) {
     return std::chrono::duration<double>(Clock::now() - start).count();
-}
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
 }
 
 // The same noise again and again, of any length.
@@ -194,14 +190,15 @@ json measure_patch(const Options& options, const fs::path& folder) {
                 seconds_of_patch(server.account(reference->port()), noise, Durable::Synced));
     }
     const double bytes = static_cast<double>(kSize) / 1e6;
-    const double slower = std::max(median(dd), median(bare));
+    const double slower = std::max(stats::upper_median(dd), stats::upper_median(bare));
     json report = {{"bytes", kSize},
-                   {"divemesh_mb_per_s", bytes / median(ours)},
-                   {"dd_fsync_mb_per_s", bytes / median(dd)},
-                   {"counting_sink_mb_per_s", bytes / median(bare)},
-                   {"ratio_to_lower", slower / median(ours)},
+                   {"divemesh_mb_per_s", bytes / stats::upper_median(ours)},
+                   {"dd_fsync_mb_per_s", bytes / stats::upper_median(dd)},
+                   {"counting_sink_mb_per_s", bytes / stats::upper_median(bare)},
+                   {"ratio_to_lower", slower / stats::upper_median(ours)},
                    {"seconds", {{"divemesh", ours}, {"dd", dd}, {"sink", bare}}}};
-    report["tus_server_and_sync_mb_per_s"] = theirs.empty() ? json() : json(bytes / median(theirs));
+    report["tus_server_and_sync_mb_per_s"] =
+        theirs.empty() ? json() : json(bytes / stats::upper_median(theirs));
     return report;
 }
 
@@ -237,8 +234,8 @@ json measure_bad_link(const Options& options, const fs::path& folder, Cut cut) {
     }
     return {{"bytes", kSize},
             {"cuts", num_cuts},
-            {"wasted_s_per_cut", median(wasted)},
-            {"bytes_sent_ratio", median(ratios)}};
+            {"wasted_s_per_cut", stats::upper_median(wasted)},
+            {"bytes_sent_ratio", stats::upper_median(ratios)}};
 }
 
 // All of them are under way at once: a slow link each.

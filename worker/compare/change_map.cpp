@@ -6,6 +6,7 @@
 
 #include "worker/base/parallel.hpp"
 #include "worker/compare/change_scatter.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::compare {
 namespace {
@@ -69,8 +70,9 @@ public:
     void decide(int row, int column) const {
         if (map_.at(row, column) != CellState::Stable) return;
         const float change = map_.change_m.at<float>(row, column);
-        if (std::abs(change) <= 1.96F * (map_.sigma_m.at<float>(row, column) +
-                                         map_.registration_m.at<float>(row, column)))
+        if (std::abs(change) <=
+            static_cast<float>(stats::kNormal975) *
+                (map_.sigma_m.at<float>(row, column) + map_.registration_m.at<float>(row, column)))
             return;
         const std::uint32_t vertex_a = nearest_corner(a_.mesh, raster_a_, row, column);
         const std::uint32_t vertex_b = nearest_corner(b_.mesh, raster_b_, row, column);

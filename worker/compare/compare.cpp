@@ -93,7 +93,8 @@ double level_factor(const std::vector<M3c2Distance>& distances) {
     std::vector<float> ratios;
     for (const M3c2Distance& distance : distances)
         if (distance.known())
-            ratios.push_back(1.96F * std::abs(distance.distance_m) / distance.lod95_m);
+            ratios.push_back(static_cast<float>(stats::kNormal975) * std::abs(distance.distance_m) /
+                             distance.lod95_m);
     return robust_sigma(ratios);
 }
 

@@ -8,6 +8,7 @@
 #include "worker/dive/motion_profile.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -65,7 +66,7 @@ Line fit_line(const std::vector<std::pair<double, double>>& points, bool is_leve
     for (const auto& [x, y] : points) intercepts.push_back(y - line.slope * x);
     line.at_zero = stats::median(intercepts);
     for (double& value : intercepts) value = std::abs(value - line.at_zero);
-    line.scatter = 1.48 * stats::median(std::move(intercepts));
+    line.scatter = stats::kSigmasPerMad * stats::median(std::move(intercepts));
     return line;
 }
 

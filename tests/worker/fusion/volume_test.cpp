@@ -17,6 +17,7 @@
 #include "worker/mesh/extract_surface.hpp"
 #include "worker/mesh/mesh_borders.hpp"
 #include "worker/mesh/mesh_components.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::fusion {
 namespace {
@@ -316,9 +317,8 @@ TEST(TsdfVolume, NoiseLargerThanStatedDoesNotPushTheSurfaceBack) {
     for (const auto& vertex : surface_of(*volume, options).vertices)
         if (vertex.head<2>().norm() < 0.3F) heights_m.push_back(vertex.z());
     ASSERT_GT(heights_m.size(), 1000U);
-    const auto middle = heights_m.begin() + static_cast<std::ptrdiff_t>(heights_m.size() / 2);
-    std::nth_element(heights_m.begin(), middle, heights_m.end());
-    EXPECT_NEAR(*middle, 0.0F, 0.01F);  // one pixel of disparity is 53 mm there
+    EXPECT_NEAR(
+        stats::upper_median(heights_m), 0.0F, 0.01F);  // one pixel of disparity is 53 mm there
 }
 
 // Matchers extend the foreground's disparity over its edge, then let it decrease to the
@@ -427,10 +427,10 @@ TEST(TsdfVolume, NearViewsOutweighFarOnesByTheFourthPowerOfTheRange) {
     for (const auto& vertex : surface_of(*volume, options).vertices)
         if (vertex.head<2>().norm() < 0.15F) heights.push_back(vertex.z());
     ASSERT_GT(heights.size(), 50U);
-    std::nth_element(heights.begin(), heights.begin() + heights.size() / 2, heights.end());
+    const double median_m = stats::upper_median(heights);
     const double share = std::pow(0.8 / far_m, 4) / (1.0 + std::pow(0.8 / far_m, 4));
-    EXPECT_NEAR(heights[heights.size() / 2], share * far_error_m, 0.35 * share * far_error_m);
-    EXPECT_LT(heights[heights.size() / 2], 0.5 * far_error_m * 0.25);
+    EXPECT_NEAR(median_m, share * far_error_m, 0.35 * share * far_error_m);
+    EXPECT_LT(median_m, 0.5 * far_error_m * 0.25);
 }
 
 TEST(ChooseVoxel, IsAboutACentimetreAtTwoMetresForARigOfAHandsBreadth) {

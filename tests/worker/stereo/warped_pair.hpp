@@ -6,6 +6,9 @@
 #include <functional>
 #include <opencv2/core.hpp>
 #include <random>
+#include <utility>
+
+#include "worker/stats/median.hpp"
 
 namespace divemesh::stereo {
 
@@ -105,10 +108,7 @@ inline DisparityError compare_disparity(const cv::Mat& estimate,
     error.density = num / static_cast<double>(num_truth);
     error.bad1 = static_cast<double>(num_bad) / num;
     error.mean_px = sum / (num - static_cast<double>(num_bad));
-    std::nth_element(errors.begin(),
-                     errors.begin() + static_cast<std::ptrdiff_t>(errors.size() / 2),
-                     errors.end());
-    error.median_px = errors[errors.size() / 2];
+    error.median_px = stats::upper_median(std::move(errors));
     return error;
 }
 
