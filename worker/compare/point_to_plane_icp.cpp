@@ -203,7 +203,6 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
         result.num_patches = fit.patches.size();
         result.residual_rms_m = std::sqrt(fit.squares / std::max(1e-12, fit.weights));
         result.stable_share = static_cast<double>(fit.num_used) / static_cast<double>(num_found);
-        result.T_a_b = moved(result.T_a_b, step, result.pivot);
         ++outcome.num_iterations;
         outcome.final_cost = result.residual_rms_m * result.residual_rms_m;
         if (round == 0) outcome.initial_cost = outcome.final_cost;
@@ -213,6 +212,7 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
             outcome.message = "the points do not determine the pose";
             break;
         }
+        result.T_a_b = moved(result.T_a_b, step, result.pivot);
         if (step.tail<3>().norm() < kSettled_m && reach_m <= min_reach_m) {
             outcome.termination = Termination::Converged;
             outcome.message = "the last step was small";
