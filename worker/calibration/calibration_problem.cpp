@@ -4,6 +4,7 @@
 #include <ceres/normal_prior.h>
 #include <ceres/solver.h>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "worker/base/rotation_vector.hpp"
@@ -297,6 +298,7 @@ bool CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) 
 double CalibrationProblem::moved_sigmas(const CalibrationUnknowns& before) const {
     const auto rms = [](const auto& moved, const auto& covariance) {
         const double squared = moved.dot(covariance.ldlt().solve(moved));
+        if (!(squared >= 0.0)) return std::numeric_limits<double>::infinity();  // no covariance
         return std::sqrt(squared / static_cast<double>(moved.size()));
     };
     double sigmas = 0.0;

@@ -168,7 +168,7 @@ private:
         return shared;
     }
 
-    // Returns those of the whitened residuals, px.
+    // Returns the norms of the whitened residuals, px.
     std::vector<double> norms() const {
         std::vector<double> norms;
         for (const Window& window : windows_)

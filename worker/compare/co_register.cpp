@@ -101,14 +101,7 @@ public:
         char text[280] = "";
         const double ground_m2 = fit.overlap * ground_b_m2_;
         const double smaller_m2 = std::min(ground_b_m2_, area_m2(ground_a_));
-        if (fit.outcome.failed() || fit.outcome.still_moving())
-            std::snprintf(text,
-                          sizeof text,
-                          "after %d rounds of ICP %s (%.1f standard deviations)",
-                          fit.outcome.num_iterations,
-                          fit.outcome.message.c_str(),
-                          fit.outcome.last_step_sigmas);
-        else if (ground_m2 < std::max(kMinGround_m2, kMinOverlap * smaller_m2))
+        if (ground_m2 < std::max(kMinGround_m2, kMinOverlap * smaller_m2))
             std::snprintf(text,
                           sizeof text,
                           "they share only %.2f m2 of ground, %.0f %% of the smaller one",
@@ -128,6 +121,13 @@ public:
                           "differ by %.0f mm on ground with a height range of %.0f mm",
                           1e3 * fit.difference_m,
                           1e3 * fit.height_spread_m);
+        else if (fit.outcome.failed() || fit.outcome.still_moving())
+            std::snprintf(text,
+                          sizeof text,
+                          "after %d rounds of ICP %s (%.1f standard deviations)",
+                          fit.outcome.num_iterations,
+                          fit.outcome.message.c_str(),
+                          fit.outcome.last_step_sigmas);
         return text;
     }
 

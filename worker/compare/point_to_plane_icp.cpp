@@ -134,17 +134,31 @@ Vector6d solve_upright(const Fit& fit) {
     return step;
 }
 
-Matrix6d sandwich(const Fit& fit) {
+// Returns the inverse of the information; where the surface determines nothing, a large value.
+Matrix6d inverse_information(const Fit& fit) {
     const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.information);
     Vector6d inverse;
     for (int i = 0; i < 6; ++i)
         inverse[i] = 1.0 / std::max(solver.eigenvalues()[i], 1e-9 * solver.eigenvalues()[5]);
-    const Matrix6d bread =
-        solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+    return solver.eigenvectors() * inverse.asDiagonal() * solver.eigenvectors().transpose();
+}
+
+Matrix6d sandwich(const Fit& fit) {
+    const Matrix6d bread = inverse_information(fit);
     Matrix6d meat = Matrix6d::Zero();
     for (const auto& [patch, pull] : fit.patches) meat += pull * pull.transpose();
     const auto num = static_cast<double>(fit.patches.size());
     return num / std::max(1.0, num - 6.0) * bread * meat * bread;
+}
+
+// Returns the size of the step, RMS of its standard deviations: those of the patches, and at least
+// those of independent errors.
+double step_sigmas(const Vector6d& step,
+                   const Fit& fit,
+                   const Matrix6d& covariance,
+                   double scale_m) {
+    const Matrix6d whole = covariance + scale_m * scale_m * inverse_information(fit);
+    return std::sqrt(step.dot(whole.ldlt().solve(step)) / 6.0);
 }
 
 Eigen::Isometry3d moved(const Eigen::Isometry3d& T_a_b,
@@ -206,10 +220,10 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
         ++outcome.num_iterations;
         outcome.final_cost = result.residual_rms_m * result.residual_rms_m;
         if (round == 0) outcome.initial_cost = outcome.final_cost;
-        outcome.last_step_sigmas = std::sqrt(step.dot(fit.information * step) / 6.0) / scale_m;
+        outcome.last_step_sigmas = step_sigmas(step, fit, result.covariance, scale_m);
         if (!step.allFinite()) {
             outcome.termination = Termination::Failed;
-            outcome.message = "the points do not determine the pose";
+            outcome.message = "the last step is not finite";
             break;
         }
         result.T_a_b = moved(result.T_a_b, step, result.pivot);

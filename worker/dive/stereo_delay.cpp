@@ -43,8 +43,14 @@ double median_residual_px(const Model& model, const std::vector<EpipolarSample>&
     return stats::upper_median(std::move(residuals));
 }
 
+struct Fit {
+    Model model = Model::Zero();
+    double last_step_s = 0.0;  // of the delay
+};
+
 // Solves weighted least squares by Tukey's biweight; its scale follows the median residual.
-Model fit(const std::vector<EpipolarSample>& samples) {
+Fit fit(const std::vector<EpipolarSample>& samples) {
+    double last_step_s = 0.0;
     Model model = Model::Zero();
     std::vector<double> errors;
     errors.reserve(samples.size());
@@ -62,9 +68,11 @@ Model fit(const std::vector<EpipolarSample>& samples) {
             b += weight * a * s.error_px;
         }
         H.diagonal() += kPriorInformation;
-        model = H.ldlt().solve(b);
+        const Model next = H.ldlt().solve(b);
+        last_step_s = std::abs(next[0] - model[0]);
+        model = next;
     }
-    return model;
+    return {model, last_step_s};
 }
 
 // Returns the standard deviation of the delay from the scatter between moments: errors within a
@@ -137,7 +145,7 @@ StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
         samples.insert(samples.end(), moment.samples.begin(), moment.samples.end());
     }
     if (samples.size() < kMinSamples) return result;
-    const Model model = fit(samples);
+    const auto [model, last_step_s] = fit(samples);
     result.delay_s = model[0];
     result.spread_px = median_residual_px(model, samples);
     result.rate_px_s = median_abs(samples, [](const EpipolarSample& s) { return s.rate_px_s; });
@@ -157,7 +165,7 @@ StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
     }
     if (num_moments < kMinMoments || result.rate_px_s < kMinRate_px_s) return result;
     result.sigma_s = std::hypot(sigma_between_moments(model, moments), kRateError * result.delay_s);
-    result.is_determined = true;
+    result.is_determined = last_step_s < result.sigma_s;
     return result;
 }
 

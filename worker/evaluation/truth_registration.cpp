@@ -94,6 +94,7 @@ public:
     // iterations.
     std::optional<Solution> solve(State state) const {
         constexpr int kMaxIterations = 50;
+        constexpr double kConverged = 1e-8;  // rad, m, s; stamps are whole nanoseconds
         using Termination = types::SolverOutcome::Termination;
         types::SolverOutcome outcome{.termination = Termination::StoppedAtLimit,
                                      .message = "the last step was still large"};
@@ -113,7 +114,7 @@ public:
             if (!step.allFinite()) return std::nullopt;
             apply(step, state);
             ++outcome.num_iterations;
-            if (step.norm() < 1e-10) {
+            if (step.norm() < kConverged) {
                 outcome.termination = Termination::Converged;
                 outcome.message = "the last step was small";
                 break;

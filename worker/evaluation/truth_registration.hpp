@@ -24,7 +24,7 @@ struct TruthRegistration {
     bool has_orientation = true;  // false: the truth has only positions
     std::int64_t num_poses = 0;   // used by the solution; 0: no solution was computed
     double residual_rms_m = 0.0;
-    types::SolverOutcome outcome;  // costs: sum of the squared residuals, m^2
+    types::SolverOutcome outcome;  // costs: squared residuals at the first and last step, m^2
 };
 
 // Solves for what the options request, by least squares over positions together with the SE(3)

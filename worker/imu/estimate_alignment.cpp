@@ -16,6 +16,7 @@ namespace {
 using Vector7 = Eigen::Matrix<double, 7, 1>;  // time offset, rotation, bias
 using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
+constexpr int kNumSteps = 8;
 constexpr std::size_t kMinRotations = 20;
 constexpr std::int64_t kReach_ns = 60'000'000;
 constexpr std::int64_t kCoarseStep_ns = 4'000'000;
@@ -146,6 +147,15 @@ private:
     std::vector<TimedRotation> rotations_;
 };
 
+// Returns whether the last step moved offset and rotation by less than their uncertainty.
+bool has_converged(const State& before, const State& after, const Matrix7& covariance) {
+    const Eigen::Vector3d turned =
+        base::vector_from_rotation(after.q_body_imu * before.q_body_imu.conjugate());
+    const Eigen::Matrix3d rotation = covariance.block<3, 3>(1, 1);
+    return std::abs(after.offset_s - before.offset_s) < std::sqrt(covariance(0, 0)) &&
+           turned.dot(rotation.ldlt().solve(turned)) < 3.0;
+}
+
 // Returns the best of a series of time offsets, each with its best rotation and bias.
 State coarse(const Fit& fit) {
     State best;
@@ -204,8 +214,13 @@ std::optional<AlignmentEstimate> estimate_alignment(const std::vector<types::Imu
     const Fit fit(path, rotations);
     if (fit.num_rotations() < kMinRotations) return std::nullopt;
     State state = coarse(fit);
+    State before;
     Matrix7 covariance;
-    for (int i = 0; i < 8; ++i) covariance = fit.step(state, true);
+    for (int i = 0; i < kNumSteps; ++i) {
+        before = state;
+        covariance = fit.step(state, true);
+    }
+    if (!has_converged(before, state, covariance)) return std::nullopt;
     if (fit.signal_to_noise(state) < kMinSignalToNoise) return std::nullopt;
     AlignmentEstimate estimate;
     estimate.alignment = {state.offset_s, state.q_body_imu};

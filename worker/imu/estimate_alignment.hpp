@@ -54,8 +54,9 @@ struct AlignmentEstimate {
 //
 // started from the best of a series of offsets within +-60 ms, with Huber weights and priors (30
 // ms, 2 degrees, 0.1 rad/s). If all rotations share one axis, the misalignment about that axis
-// stays at its prior. nullopt if the samples cover fewer than 20 rotations, or if
-// these are so small that noise would be taken for motion.
+// stays at its prior. nullopt if the samples cover fewer than 20 rotations, if these are so small
+// that noise would be taken for motion, or if the last of eight steps still moved offset or
+// rotation by more than their standard deviation.
 std::optional<AlignmentEstimate> estimate_alignment(const std::vector<types::ImuSample>& samples,
                                                     const std::vector<VisionRotation>& rotations);
 

@@ -5,7 +5,8 @@
 namespace divemesh::optimisation {
 namespace {
 
-constexpr double kConverged = 0.1;  // sigmas
+constexpr double kConverged = 0.1;   // sigmas
+constexpr double kTolerance = 1e-3;  // of the cost
 
 }  // namespace
 
@@ -18,7 +19,7 @@ types::SolverOutcome outcome_of(const IrlsSteps& steps) {
     outcome.last_step_sigmas = steps.last_step_sigmas;
     if (!std::isfinite(steps.final_cost) || !std::isfinite(steps.last_step_sigmas)) {
         outcome.message = "the unknowns are not finite";
-    } else if (steps.final_cost > steps.initial_cost) {
+    } else if (steps.final_cost > (1.0 + kTolerance) * steps.initial_cost) {
         outcome.message = "the measurements fit less well than at the start";
     } else if (steps.last_step_sigmas < kConverged) {
         outcome.termination = Termination::Converged;

@@ -132,7 +132,8 @@ types::RigAlignment align_rows(const types::Recording& recording,
 }
 
 bool is_enough(const calibration::RangeSolution& ranges) {
-    if (ranges.num_windows == 0) return false;
+    if (ranges.num_windows == 0 || ranges.outcome.failed() || ranges.outcome.still_moving())
+        return false;
     const bool unbiased = std::abs(ranges.bias_px) < 2.0 * ranges.bias_sigma_px;
     return ranges.bias_sigma_px < (unbiased ? kMaxUnbiasedSigma_px : kMaxBiasSigma_px);
 }

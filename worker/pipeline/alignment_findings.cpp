@@ -77,7 +77,7 @@ void add_solver(const types::SolverTally& tally,
          "alignment_not_converged",
          "mav0/cam1/sensor.yaml",
          "the estimate of the right camera's position from " + what +
-             (tally.num_failed > 0 ? " failed, so the calibration is used as stated there"
+             (tally.num_failed > 0 ? " failed: these are used as stated"
                                    : " had not converged at its limit of iterations"),
          "Calibrate the stereo pair again, or record the scene from more places."});
 }
@@ -87,8 +87,9 @@ void add_solver(const types::SolverTally& tally,
 std::vector<Finding> alignment_findings(const types::RigAlignment& alignment) {
     using Outcome = types::RigAlignment::Outcome;
     std::vector<Finding> findings;
-    add_solver(alignment.row_solver, "the rows of the images", findings);
-    add_solver(alignment.range_solver, "ranges", findings);
+    add_solver(alignment.row_solver, "the rows of the images (pitch, roll, baseline)", findings);
+    if (alignment.row_solver.num_failed > 0) return findings;
+    add_solver(alignment.range_solver, "ranges of the scene (yaw, principal point)", findings);
     if (alignment.outcome == Outcome::Inconsistent) {
         findings.push_back(inconsistent_finding(alignment));
         return findings;

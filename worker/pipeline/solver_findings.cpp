@@ -12,7 +12,7 @@ namespace {
 // a sign that images or sensors do not fit.
 constexpr double kMaxFailedShare = 0.05;
 // Share of the motions between two frames.
-constexpr double kMaxUnfinishedShare = 0.05;
+constexpr double kMaxStillMovingShare = 0.05;
 // Ten times the noise of a feature, u and v together. The sliding window rejects single
 // observations at half of it, so an RMS as large as this is not a fit.
 constexpr double kDiverged_px = 3.5;
@@ -41,10 +41,10 @@ void add_failed(const types::SolverTally& tally,
                             kTrackBetter});
 }
 
-void add_unfinished(const types::SolverTally& tally,
-                    const std::string& what,
-                    std::vector<Finding>& findings) {
-    if (is_above(kMaxUnfinishedShare, tally.num_still_moving, tally.num_solves))
+void add_still_moving(const types::SolverTally& tally,
+                      const std::string& what,
+                      std::vector<Finding>& findings) {
+    if (is_above(kMaxStillMovingShare, tally.num_still_moving, tally.num_solves))
         findings.push_back({Severity::Warning,
                             "solver_not_converged",
                             "",
@@ -57,7 +57,7 @@ void add_unfinished(const types::SolverTally& tally,
 std::string last_step(const types::SolverOutcome& outcome) {
     if (outcome.last_step_sigmas > types::SolverOutcome::kMaxLastStepSigmas)
         return "its last step still moved the result by " +
-               base::fixed(outcome.last_step_sigmas, 1) + " of its standard deviations";
+               base::fixed(outcome.last_step_sigmas, 1) + " standard deviations";
     return "its cost was still falling by " + base::fixed(100.0 * outcome.last_decrease, 1) +
            " % a step";
 }
@@ -108,7 +108,7 @@ std::vector<Finding> window_findings(const types::TrackStatistics& track) {
     std::vector<Finding> findings;
     const std::string pose = "the refinement of the motion between two frames";
     add_failed(track.pose_solver, pose, findings);
-    add_unfinished(track.pose_solver, pose, findings);
+    add_still_moving(track.pose_solver, pose, findings);
     add_failed(track.window_solver, "bundle adjustment of the sliding window", findings);
     return findings;
 }

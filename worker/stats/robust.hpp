@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cmath>
 
 // Robust estimation of a scale, and weights by it.
@@ -22,9 +21,11 @@ inline double tukey_weight(double residual, double limit) {
     return (1.0 - share * share) * (1.0 - share * share);
 }
 
-// Returns the loss whose weight that is: half of the squared residual where it is small.
+// Returns Tukey's biweight loss, whose derivative is weight times residual: half of the squared
+// residual where that is small.
 inline double tukey_loss(double residual, double limit) {
-    const double share = std::min(1.0, std::abs(residual / limit));
+    const double share = residual / limit;
+    if (std::abs(share) >= 1.0) return limit * limit / 6.0;
     const double rest = 1.0 - share * share;
     return limit * limit / 6.0 * (1.0 - rest * rest * rest);
 }

@@ -136,6 +136,7 @@ TEST(TruthRegistration, StatedDeviationsHold) {
                                                       : with_noise(estimate_of(swim), 0.02, seed);
             const auto found = register_truth(estimate, truth, solve_both());
             ASSERT_TRUE(found.time_offset_sigma_s && found.lever_arm_sigma_m);
+            EXPECT_TRUE(found.outcome.converged()) << found.outcome.num_iterations;
             num_offsets_held +=
                 std::abs(found.time_offset_s - kOffset_s) < 2.0 * *found.time_offset_sigma_s;
             const Eigen::Vector3d off = found.T_body_marker.translation() - kLever_m;

@@ -28,6 +28,10 @@ TEST(IrlsOutcomeTest, OnlyALastStepAboveTheNoiseIsStillMoving) {
     EXPECT_TRUE(above.still_moving());
 }
 
+TEST(IrlsOutcomeTest, RoundingIsNoFailure) {
+    EXPECT_FALSE(outcome_of({.initial_cost = 4.0, .final_cost = 4.0 + 1e-9}).failed());
+}
+
 TEST(IrlsOutcomeTest, GrowingOrInfiniteErrorsAreAFailure) {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     EXPECT_TRUE(outcome_of({.initial_cost = 4.0, .final_cost = 9.0}).failed());

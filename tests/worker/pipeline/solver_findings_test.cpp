@@ -43,7 +43,7 @@ TEST(SolverFindingsTest, ALastStepOfMoreThanItsNoiseIsAFinding) {
     outcome.last_step_sigmas = 2.5;
     const std::vector<Finding> findings = solver_findings(outcome, "code", "it");
     ASSERT_EQ(findings.size(), 1U);
-    EXPECT_NE(findings[0].message.find("2.5 of its standard deviations"), std::string::npos);
+    EXPECT_NE(findings[0].message.find("2.5 standard deviations"), std::string::npos);
 }
 
 TEST(SolverTallyTest, CountsWhatIsStillMoving) {
@@ -57,7 +57,7 @@ TEST(SolverTallyTest, CountsWhatIsStillMoving) {
     EXPECT_EQ(tally.num_still_moving, 1);
 }
 
-// Where a solve of the alignment says nothing, its result is not told as a fact alone.
+// A failed solve is a finding, and so is one that stopped too early.
 TEST(AlignmentFindingsTest, ASolveThatFailsOrIsStillMovingIsTold) {
     types::RigAlignment alignment;
     alignment.outcome = types::RigAlignment::Outcome::AsStated;
@@ -70,6 +70,10 @@ TEST(AlignmentFindingsTest, ASolveThatFailsOrIsStillMovingIsTold) {
     alignment.range_solver = {.num_solves = 1, .num_failed = 1};
     ASSERT_EQ(alignment_findings(alignment).size(), 1U);
     EXPECT_NE(alignment_findings(alignment)[0].message.find("failed"), std::string::npos);
+    alignment.outcome = types::RigAlignment::Outcome::Inconsistent;  // as failed rows leave it
+    alignment.row_solver = {.num_solves = 1, .num_failed = 1};
+    ASSERT_EQ(alignment_findings(alignment).size(), 1U);
+    EXPECT_EQ(alignment_findings(alignment)[0].code, "alignment_not_converged");
 }
 
 TEST(SolverFindingsTest, ALimitMattersWhileTheCostIsStillFalling) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <limits>
+
 namespace divemesh::stats {
 namespace {
 
@@ -18,6 +21,10 @@ TEST(RobustTest, TheDerivativeOfTheLossIsTheWeightedResidual) {
 
 TEST(RobustTest, TheLossOfAnOutlierIsASixthOfTheSquaredLimit) {
     EXPECT_DOUBLE_EQ(tukey_loss(1e6, 3.0), 1.5);
+}
+
+TEST(RobustTest, TheLossOfNoNumberIsNone) {
+    EXPECT_TRUE(std::isnan(tukey_loss(std::numeric_limits<double>::quiet_NaN(), kTukey)));
 }
 
 }  // namespace
