@@ -145,7 +145,8 @@ StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
         samples.insert(samples.end(), moment.samples.begin(), moment.samples.end());
     }
     if (samples.size() < kMinSamples) return result;
-    const auto [model, last_step_s] = fit(samples);
+    const Fit fitted = fit(samples);
+    const Model& model = fitted.model;
     result.delay_s = model[0];
     result.spread_px = median_residual_px(model, samples);
     result.rate_px_s = median_abs(samples, [](const EpipolarSample& s) { return s.rate_px_s; });
@@ -165,7 +166,7 @@ StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
     }
     if (num_moments < kMinMoments || result.rate_px_s < kMinRate_px_s) return result;
     result.sigma_s = std::hypot(sigma_between_moments(model, moments), kRateError * result.delay_s);
-    result.is_determined = last_step_s < result.sigma_s;
+    result.is_determined = fitted.last_step_s < result.sigma_s;
     return result;
 }
 
