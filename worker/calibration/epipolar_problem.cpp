@@ -7,7 +7,6 @@
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/camera/rectified_lens.hpp"
-#include "worker/optimisation/irls_outcome.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/robust.hpp"
 
@@ -57,6 +56,13 @@ double robust_sigma(const std::vector<double>& errors) {
 }
 
 }  // namespace
+
+double EpipolarProblem::step_sigmas(const EpipolarUnknowns& step,
+                                    const EpipolarCovariance& information,
+                                    const Held& held) {
+    return std::sqrt(step.dot(information * step) /
+                     static_cast<double>(std::ranges::count(held, false)));
+}
 
 EpipolarProblem::EpipolarProblem(const types::Rig& rig,
                                  const types::RectifiedRig& rectified,
@@ -131,26 +137,33 @@ double EpipolarProblem::cost(const EpipolarUnknowns& values,
 
 EpipolarSolution EpipolarProblem::solve(const Held& held) const {
     double lens_sigma_px = kMaxLensSigma_px;
-    EpipolarSolution solution = solve(held, lens_sigma_px);
+    Solved solved = solve(held, lens_sigma_px);
+    EpipolarUnknowns before;
     for (int round = 1; round < kNumLensRounds; ++round) {
-        const double found_px =
-            solution.values.tail<kNumLensTerms>().norm() / std::sqrt(kNumLensTerms);
+        before = solved.solution.values;
+        const double found_px = before.tail<kNumLensTerms>().norm() / std::sqrt(kNumLensTerms);
         lens_sigma_px = std::clamp(found_px, kMinLensSigma_px, kMaxLensSigma_px);
-        solution = solve(held, lens_sigma_px);
+        const int num_steps = solved.steps.num_steps;
+        solved = solve(held, lens_sigma_px);
+        solved.steps.num_steps += num_steps;
     }
-    return solution;
+    const EpipolarUnknowns moved = solved.solution.values - before;
+    solved.steps.last_step_sigmas =
+        std::max(solved.steps.last_step_sigmas, step_sigmas(moved, solved.information, held));
+    solved.solution.outcome = optimisation::outcome_of(solved.steps);
+    return solved.solution;
 }
 
-EpipolarSolution EpipolarProblem::solve(const Held& held, double lens_sigma_px) const {
+EpipolarProblem::Solved EpipolarProblem::solve(const Held& held, double lens_sigma_px) const {
     const EpipolarUnknowns prior = prior_sigmas(lens_sigma_px);
     EpipolarSolution solution;
     solution.weights.assign(samples_.size(), 1.0);
     solution.error_px = 1.0;
-    double last_step_squared = 0.0;  // sigmas
+    double last_step_sigmas = 0.0;
     for (int step = 0; step < kNumSteps; ++step) {
         const NormalEquations normal = equations(solution, held, prior);
         const EpipolarUnknowns change = -normal.information.ldlt().solve(normal.gradient);
-        last_step_squared = change.dot(normal.information * change);
+        last_step_sigmas = step_sigmas(change, normal.information, held);
         solution.values += change;
         const std::vector<double> errors = errors_px(solution.values);
         solution.error_px = robust_sigma(errors);
@@ -159,12 +172,11 @@ EpipolarSolution EpipolarProblem::solve(const Held& held, double lens_sigma_px) 
             return stats::tukey_weight(error, stats::kTukey * solution.error_px);
         });
     }
-    solution.outcome = optimisation::outcome_of(optimisation::IrlsSteps{
+    const optimisation::IrlsSteps steps{
         .num_steps = kNumSteps,
         .initial_cost = cost(EpipolarUnknowns::Zero(), solution.error_px, prior),
         .final_cost = cost(solution.values, solution.error_px, prior),
-        .last_step_sigmas =
-            std::sqrt(last_step_squared / static_cast<double>(std::ranges::count(held, false)))});
+        .last_step_sigmas = last_step_sigmas};
     const NormalEquations last = equations(solution, held, prior);
     const EpipolarCovariance inverse = last.information.inverse();
     solution.covariance = inverse + inverse * last.between_pairs * inverse;
@@ -173,7 +185,7 @@ EpipolarSolution EpipolarProblem::solve(const Held& held, double lens_sigma_px) 
         solution.covariance.row(k).setZero();
         solution.covariance.col(k).setZero();
     }
-    return solution;
+    return {std::move(solution), last.information, steps};
 }
 
 }  // namespace divemesh::calibration

@@ -4,6 +4,7 @@
 #include <array>
 #include <vector>
 
+#include "worker/optimisation/irls_outcome.hpp"
 #include "worker/types/rectified_rig.hpp"
 #include "worker/types/rig.hpp"
 #include "worker/types/rig_alignment.hpp"
@@ -48,7 +49,9 @@ public:
 
     // Returns the maximum a posteriori, with priors as wide as a rig may have been knocked by. That
     // of the lens terms is as wide as they are found to be (empirical Bayes), so that good lenses
-    // do not blur the rest. The covariance counts errors that the matches of one pair share.
+    // do not blur the rest. The covariance counts errors that the matches of one pair share. The
+    // outcome is that of all rounds: converged if neither the last step nor the last change of the
+    // lens terms' prior moves the unknowns.
     EpipolarSolution solve(const Held& held) const;
     // Returns the errors of all matches.
     std::vector<double> errors_px(const EpipolarUnknowns& values) const;
@@ -72,7 +75,17 @@ private:
     };
 
     Residual residual(const Sample& sample, const EpipolarUnknowns& values) const;
-    EpipolarSolution solve(const Held& held, double lens_sigma_px) const;
+    // A solution under one prior of the lens terms.
+    struct Solved {
+        EpipolarSolution solution;
+        EpipolarCovariance information;
+        optimisation::IrlsSteps steps;
+    };
+    Solved solve(const Held& held, double lens_sigma_px) const;
+    // Returns the RMS of a step over the unknowns that are not held, in their sigmas.
+    static double step_sigmas(const EpipolarUnknowns& step,
+                              const EpipolarCovariance& information,
+                              const Held& held);
     // Returns the robust loss of errors at a scale, with that of the prior.
     double cost(const EpipolarUnknowns& values,
                 double error_px,

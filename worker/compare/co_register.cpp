@@ -88,6 +88,7 @@ public:
                                          guess.T_a_b,
                                          {.tolerance_m = tolerance_m_,
                                           .max_step_m = coarse ? kAfterHeights_m : kAfterFeatures_m,
+                                          .max_rounds = options_.max_icp_rounds,
                                           .num_threads = options_.num_threads});
         if (!result) return std::nullopt;
         result->method = guess.method;
@@ -117,8 +118,8 @@ public:
                  fit.difference_m > kMaxShareOfHeightSpread * fit.height_spread_m)
             std::snprintf(text,
                           sizeof text,
-                          "no image features match, and the shape alone does not fit: the surfaces "
-                          "differ by %.0f mm on ground with a height range of %.0f mm",
+                          "the shape alone does not fit: the surfaces differ by %.0f mm on ground "
+                          "with a height range of %.0f mm",
                           1e3 * fit.difference_m,
                           1e3 * fit.height_spread_m);
         else if (fit.outcome.failed() || fit.outcome.still_moving())
@@ -198,10 +199,12 @@ bool elsewhere(const CoRegistration& p, const CoRegistration& q) {
     return (p.T_a_b * (q.T_a_b.inverse() * q.pivot) - q.pivot).norm() > kApart_m;
 }
 
+// Aligns by shape alone. `of_features` says what became of the image features.
 CoRegistration fit_heights(const Registrar& registrar,
-                           const std::vector<CoarseAlignment>& coarse_alignments) {
+                           const std::vector<CoarseAlignment>& coarse_alignments,
+                           const std::string& of_features) {
     if (!registrar.has_height_spread())
-        refuse("no image features match, and the ground is too flat to be aligned by its shape");
+        refuse(of_features + ", and the ground is too flat to be aligned by its shape");
     std::vector<CoRegistration> fits;
     for (const CoarseAlignment& guess : coarse_alignments)
         if (const auto fit = registrar.fit(guess)) fits.push_back(*fit);
@@ -209,15 +212,13 @@ CoRegistration fit_heights(const Registrar& registrar,
         const bool first = registrar.holds(p);
         return first != registrar.holds(q) ? first : p.agreement > q.agreement;
     });
-    if (fits.empty()) refuse("neither image features nor the shape of the ground match");
+    if (fits.empty()) refuse(of_features + ", and the shape of the ground does not match");
     const CoRegistration& best = fits.front();
-    if (!registrar.holds(best)) refuse(registrar.reason_against(best));
+    if (!registrar.holds(best)) refuse(of_features + ", and " + registrar.reason_against(best));
     for (const CoRegistration& other : fits)
         if (registrar.holds(other) && elsewhere(best, other) &&
             other.agreement > kAmbiguous * best.agreement)
-            refuse(
-                "the ground fits in two places, and no image features match to decide between "
-                "them");
+            refuse(of_features + ", and the shape of the ground fits in two places");
     return best;
 }
 
@@ -231,15 +232,19 @@ CoRegistration co_register(const types::Mesh& a,
     progress.at(0.1);
     for (const CoarseAlignment& guess : options.known)
         if (const auto fit = registrar.fit(guess); fit && registrar.holds(*fit)) return *fit;
+    std::string of_features = "no image features match";
     for (const CoarseAlignment& guess : align_by_features(a, b, options.seed)) {
         progress.at(0.4);
         const auto fit = registrar.fit(guess);
         if (fit && registrar.holds(*fit)) return *fit;
+        of_features =
+            "image features match, but where they do " +
+            (fit ? registrar.reason_against(*fit) : "too few points of the surfaces meet");
     }
     progress.at(0.5);
     const auto coarse_alignments = align_by_heights(a, b, options.num_threads);
     progress.at(0.8);
-    return fit_heights(registrar, coarse_alignments);
+    return fit_heights(registrar, coarse_alignments, of_features);
 }
 
 }  // namespace divemesh::compare

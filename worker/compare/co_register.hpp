@@ -13,6 +13,7 @@ struct CoRegisterOptions {
     double spacing_m = 0.01;  // of the vertices
     int num_threads = 0;
     std::uint64_t seed = 1;
+    int max_icp_rounds = IcpOptions{}.max_rounds;
     std::vector<CoarseAlignment> known = {};  // e.g. from markers; tried before any search
 };
 

@@ -16,6 +16,9 @@ namespace divemesh::evaluation {
 namespace {
 
 constexpr std::size_t kMinKeyframes = 4;
+constexpr int kMaxIterations = 10;
+// RMS by which the last step of a solution may move the projections of a point.
+constexpr double kMaxLastStep_px = 0.01;
 
 // A pixel, the camera that saw it, and the camera's pose.
 struct View {
@@ -110,17 +113,23 @@ std::optional<Reprojection> reproject(const std::vector<View>& views,
     return sum;
 }
 
+// Returns nullopt if the rays do not determine a point or the iterations do not converge in front
+// of the cameras.
 std::optional<Eigen::Vector3d> located(const std::vector<View>& views) {
     auto point = nearest_to_rays(views);
-    for (int i = 0; point && i < 10; ++i) {
+    if (!point) return std::nullopt;
+    double last_step_px = 0.0;
+    for (int i = 0; i < kMaxIterations; ++i) {
         const auto at = reproject(views, *point);
-        if (!at) break;
+        if (!at) return std::nullopt;
         const Eigen::Vector3d step = at->H.ldlt().solve(at->gradient);
-        if (!step.allFinite()) break;
+        if (!step.allFinite()) return std::nullopt;
         *point += step;
+        last_step_px =
+            std::sqrt(step.dot(at->H * step) / (2.0 * static_cast<double>(views.size())));
         if (step.norm() < 1e-9) break;
     }
-    return point;
+    return last_step_px > kMaxLastStep_px ? std::nullopt : point;
 }
 
 // A triangulated end of a length.

@@ -21,9 +21,10 @@ namespace divemesh::evaluation {
 struct MeasuredDistance {
     std::string name;
     double known_m = 0.0;
-    std::optional<double> measured_m;  // nullopt: an end is marked in too few keyframes
-    std::optional<double> sigma_m;     // of measured_m; nullopt: the path's covariance is unknown
-    int num_keyframes_a = 0;  // keyframes that show the end, or frames in which it is marked
+    // nullopt: an end is marked in too few keyframes, or its marks do not determine a point
+    std::optional<double> measured_m;
+    std::optional<double> sigma_m;  // of measured_m; nullopt: the path's covariance is unknown
+    int num_keyframes_a = 0;        // keyframes that show the end, or frames in which it is marked
     int num_keyframes_b = 0;
 };
 
@@ -69,8 +70,8 @@ types::Trajectory with_mounting_of(const types::Trajectory& estimate,
 std::vector<dive::Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput& input);
 
 // Triangulates a point: least squares over the rays of both cameras, then Gauss-Newton on the
-// reprojection error. Returns nullopt if fewer than `min_keyframes` of the marks have a pose or the
-// rays do not determine a point.
+// reprojection error. Returns nullopt if fewer than `min_keyframes` of the marks have a pose, the
+// rays do not determine a point, or the iterations do not converge in front of the cameras.
 std::optional<Eigen::Vector3d> triangulate(const std::vector<dive::Mark>& marks,
                                            const types::Rig& rig,
                                            const types::Trajectory& trajectory,

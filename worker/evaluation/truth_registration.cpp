@@ -27,7 +27,8 @@ constexpr double kMinVelocity = 0.02;       // m/s, RMS of the velocity that det
 // beyond it the truth's axes do not belong to this body
 constexpr double kMaxOrientationRms_deg = 5;
 constexpr std::size_t kMinPoses = 20;
-constexpr double kReach_s = 0.2;  // in both directions, for a velocity
+constexpr double kMinSigma_m = 1e-6;  // of a position; no tracker is better
+constexpr double kReach_s = 0.2;      // in both directions, for a velocity
 
 types::Trajectory shifted(types::Trajectory trajectory, double offset_s) {
     for (types::StampedPose& pose : trajectory) pose.timestamp_ns -= base::to_ns(offset_s);
@@ -110,11 +111,12 @@ public:
             if (i == 0) outcome.initial_cost = cost;
             if (i > 0) outcome.last_decrease = (outcome.final_cost - cost) / outcome.final_cost;
             outcome.final_cost = cost;
-            const Vector10d step = step_of(equations);
-            if (!step.allFinite()) return std::nullopt;
-            apply(step, state);
+            const Step step = step_of(equations);
+            if (!step.change.allFinite()) return std::nullopt;
+            apply(step.change, state);
+            outcome.last_step_sigmas = step.sigmas;
             ++outcome.num_iterations;
-            if (step.norm() < kConverged) {
+            if (step.change.norm() < kConverged) {
                 outcome.termination = Termination::Converged;
                 outcome.message = "the last step was small";
                 break;
@@ -134,7 +136,12 @@ private:
         return (after.T_world_imu * lever_m - before.T_world_imu * lever_m) / seconds;
     }
 
-    static Vector10d step_of(const std::vector<Row>& equations) {
+    struct Step {
+        Vector10d change;
+        double sigmas = 0.0;  // RMS over the parameters
+    };
+
+    static Step step_of(const std::vector<Row>& equations) {
         Matrix10d H = Matrix10d::Zero();
         Vector10d gradient = Vector10d::Zero();
         for (const Row& row : equations) {
@@ -142,7 +149,12 @@ private:
             gradient -= row.J.transpose() * row.residual;
         }
         // Parameters that are fixed or unobservable do not change.
-        return H.completeOrthogonalDecomposition().solve(gradient);
+        const Vector10d change = H.completeOrthogonalDecomposition().solve(gradient);
+        const auto num_free = static_cast<double>((H.diagonal().array() > 0.0).count());
+        const double variance_m2 =
+            std::max(kMinSigma_m * kMinSigma_m,
+                     squares_m2(equations) / (3.0 * static_cast<double>(equations.size())));
+        return {change, std::sqrt(change.dot(H * change) / (num_free * variance_m2))};
     }
 
     static void apply(const Vector10d& step, State& state) {

@@ -156,6 +156,9 @@ bool has_converged(const State& before, const State& after, const Matrix7& covar
            turned.dot(rotation.ldlt().solve(turned)) < 3.0;
 }
 
+// Returns whether the offset lies where it was held back: its minimum may lie beyond.
+bool is_at_end(const State& state) { return std::abs(state.offset_s) >= base::to_s(kReach_ns); }
+
 // Returns the best of a series of time offsets, each with its best rotation and bias.
 State coarse(const Fit& fit) {
     State best;
@@ -220,7 +223,7 @@ std::optional<AlignmentEstimate> estimate_alignment(const std::vector<types::Imu
         before = state;
         covariance = fit.step(state, true);
     }
-    if (!has_converged(before, state, covariance)) return std::nullopt;
+    if (!has_converged(before, state, covariance) || is_at_end(state)) return std::nullopt;
     if (fit.signal_to_noise(state) < kMinSignalToNoise) return std::nullopt;
     AlignmentEstimate estimate;
     estimate.alignment = {state.offset_s, state.q_body_imu};

@@ -248,6 +248,18 @@ void explain(const GyroscopePath& path,
 
 bool is_at_edge(const Fit& near) { return std::abs(near.offset_s) > kNearOffset_s - 0.5 * kStep_s; }
 
+// Returns the best fit among all offsets. Returns nullopt if it lies at an end of them, because the
+// minimum may lie beyond.
+std::optional<Fit> far_fit(const GyroscopePath& path, const std::vector<RotationSpan>& spans) {
+    const Eigen::Matrix3d as_mounted = Eigen::Matrix3d::Identity();
+    const auto coarse = best_fit(path, spans, {0.0, kMaxOffset_s, kStep_s}, as_mounted);
+    if (!coarse) return std::nullopt;
+    const auto fine = best_fit(path, spans, {coarse->offset_s, kStep_s, kFineStep_s}, as_mounted);
+    if (!fine || std::abs(fine->offset_s) > kMaxOffset_s + kStep_s - 0.5 * kFineStep_s)
+        return std::nullopt;
+    return fine;
+}
+
 }  // namespace
 
 void RotationSpans::add(const VisionRotation& rotation) {
@@ -284,8 +296,7 @@ GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
         return judgement;
     }
     if (last.size() < kMinSpansToShift) return judgement;
-    auto far = best_fit(path, last, {0.0, kMaxOffset_s, kStep_s}, as_mounted);
-    if (far) far = best_fit(path, last, {far->offset_s, kStep_s, kFineStep_s}, as_mounted);
+    const auto far = far_fit(path, last);
     if (far && far->unexplained < kFits &&
         far->unexplained < kMaxUnexplainedRatio * near->unexplained) {
         judgement.fit = std::abs(far->offset_s) > kNearOffset_s ? GyroscopeFit::FitsShifted

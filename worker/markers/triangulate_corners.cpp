@@ -13,6 +13,9 @@ using Vector12 = Eigen::Matrix<double, 12, 1>;
 constexpr double kFar_px = 1e6;
 constexpr double kMinDepth_m = 0.01;
 constexpr double kReading_px = 0.1;  // best accuracy of reading a corner
+constexpr int kMaxIterations = 10;
+// RMS by which the last step of a solution may move the projections of a corner.
+constexpr double kMaxLastStep_px = 0.1 * kReading_px;
 
 std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<CornerView>& views,
                                                std::size_t corner) {
@@ -35,9 +38,15 @@ std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<CornerView>& vi
     return A.ldlt().solve(b);
 }
 
-std::optional<Eigen::Vector3d> newton_step(const std::vector<CornerView>& views,
-                                           std::size_t corner,
-                                           const Eigen::Vector3d& point) {
+// A Gauss-Newton step.
+struct Step {
+    Eigen::Vector3d change_m;
+    double rms_px = 0.0;  // by which it moves the projections
+};
+
+std::optional<Step> gauss_newton_step(const std::vector<CornerView>& views,
+                                      std::size_t corner,
+                                      const Eigen::Vector3d& point) {
     Eigen::Matrix3d H = Eigen::Matrix3d::Zero();
     Eigen::Vector3d gradient = Eigen::Vector3d::Zero();
     for (const CornerView& view : views) {
@@ -47,7 +56,26 @@ std::optional<Eigen::Vector3d> newton_step(const std::vector<CornerView>& views,
         H += J.transpose() * J;
         gradient += J.transpose() * *residual;
     }
-    return H.ldlt().solve(gradient);
+    const Eigen::Vector3d change_m = H.ldlt().solve(gradient);
+    if (!change_m.allFinite()) return std::nullopt;
+    const double squares_px2 = change_m.dot(H * change_m);
+    return Step{change_m, std::sqrt(squares_px2 / (2.0 * static_cast<double>(views.size())))};
+}
+
+// Returns nullopt if the iterations do not converge in front of the cameras.
+std::optional<Eigen::Vector3d> triangulate_corner(const std::vector<CornerView>& views,
+                                                  std::size_t corner) {
+    auto point = nearest_to_rays(views, corner);
+    if (!point) return std::nullopt;
+    double last_step_px = 0.0;
+    for (int i = 0; i < kMaxIterations; ++i) {
+        const auto step = gauss_newton_step(views, corner, *point);
+        if (!step) return std::nullopt;
+        *point += step->change_m;
+        last_step_px = step->rms_px;
+        if (step->change_m.norm() < 1e-9) break;
+    }
+    return last_step_px > kMaxLastStep_px ? std::nullopt : point;
 }
 
 // The gradients of each keyframe's readings with respect to the corners, and the sums over all
@@ -123,15 +151,9 @@ double CornerView::rms_px(const Corners& corners_world) const {
 std::optional<Corners> triangulate_corners(const std::vector<CornerView>& views) {
     Corners corners;
     for (std::size_t corner = 0; corner < dive::kNumTagCorners; ++corner) {
-        const auto start = nearest_to_rays(views, corner);
-        if (!start) return std::nullopt;
-        corners[corner] = *start;
-        for (int i = 0; i < 10; ++i) {
-            const auto step = newton_step(views, corner, corners[corner]);
-            if (!step || !step->allFinite()) return std::nullopt;
-            corners[corner] += *step;
-            if (step->norm() < 1e-9) break;
-        }
+        const auto point = triangulate_corner(views, corner);
+        if (!point) return std::nullopt;
+        corners[corner] = *point;
     }
     return corners;
 }

@@ -28,8 +28,8 @@ struct CornerView {
 };
 
 // Triangulates each corner by itself: the point nearest to the rays, then Gauss-Newton on the
-// reprojection error. Returns nullopt if the rays are too parallel or a corner ends up behind a
-// camera.
+// reprojection error. Returns nullopt if the rays are too parallel, a corner ends up behind a
+// camera, or the iterations do not converge.
 std::optional<Corners> triangulate_corners(const std::vector<CornerView>& views);
 
 struct CornerFit {

@@ -149,6 +149,7 @@ RefinedPose refine_pose(const types::RectifiedRig& rig,
         if (there.cost <= (1.0 + kTolerance) * here.cost) {
             refined.T_current_previous = T;
             outcome.last_decrease = (here.cost - there.cost) / here.cost;
+            outcome.last_step_sigmas = std::sqrt(step.dot(here.H * step) / 6.0);
             here = there;
             damping /= kMoreDamping;
         } else {

@@ -72,6 +72,31 @@ Eigen::Isometry3d BodyState::T_world_imu() const {
     return T;
 }
 
+// Records the positions before and after the last step that the solver took.
+class PositionRecorder : public ceres::IterationCallback {
+public:
+    explicit PositionRecorder(const std::vector<BodyState*>& states) : states_(states) {}
+
+    ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
+        if (iteration.iteration > 0 && !iteration.step_is_successful) return ceres::SOLVER_CONTINUE;
+        before_m_ = std::move(after_m_);
+        after_m_.clear();
+        for (const BodyState* state : states_) after_m_.push_back(state->p_world_imu);
+        return ceres::SOLVER_CONTINUE;
+    }
+
+    std::vector<Eigen::Vector3d> last_moves_m() const {
+        std::vector<Eigen::Vector3d> moves_m(states_.size(), Eigen::Vector3d::Zero());
+        for (std::size_t i = 0; i < before_m_.size(); ++i) moves_m[i] = after_m_[i] - before_m_[i];
+        return moves_m;
+    }
+
+private:
+    const std::vector<BodyState*>& states_;
+    std::vector<Eigen::Vector3d> before_m_;
+    std::vector<Eigen::Vector3d> after_m_;
+};
+
 struct BundleAdjustment::Implementation {
     explicit Implementation(const types::RectifiedRig& rectified) : rig(rectified) {}
 
@@ -100,6 +125,7 @@ struct BundleAdjustment::Implementation {
     ceres::HuberLoss depth_loss{kHuberDepth};
     FactorGraph graph{kHuberReprojection};
     std::unique_ptr<ceres::Problem> problem;  // of solve_sparse
+    std::vector<Eigen::Vector3d> last_moves_m;
 };
 
 SharedJacobian BundleAdjustment::Implementation::shared_jacobian(
@@ -293,11 +319,18 @@ types::SolverOutcome BundleAdjustment::solve_sparse(int max_iterations,
     options.logging_type = ceres::SILENT;
     options.num_threads = 1;
     SolverProgress callback(progress, at);
-    options.callbacks.push_back(&callback);
+    PositionRecorder positions(own.states);
+    options.callbacks = {&callback, &positions};
+    options.update_state_every_iteration = true;
     ceres::Solver::Summary summary;
     ceres::Solve(options, own.problem.get(), &summary);
     callback.rethrow();
+    own.last_moves_m = positions.last_moves_m();
     return outcome_of(summary);
+}
+
+const std::vector<Eigen::Vector3d>& BundleAdjustment::last_moves_m() const {
+    return implementation_->last_moves_m;
 }
 
 JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& states,

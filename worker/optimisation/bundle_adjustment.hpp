@@ -124,6 +124,9 @@ public:
     types::SolverOutcome solve_sparse(int max_iterations,
                                       const base::ProgressCallback& progress,
                                       const Progress& at);
+    // Returns how the last step of solve_sparse moved the positions, m, in the order in which the
+    // states were added.
+    const std::vector<Eigen::Vector3d>& last_moves_m() const;
     // Returns the joint covariance of states after solve_sparse, with everything else marginalised,
     // the cameras' noise as in their residuals, and the errors of the calibration. `rates` are
     // those of the states, in the order in which they were added. `states` is empty if they are not

@@ -1,6 +1,7 @@
 #include "worker/optimisation/ceres_outcome.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace divemesh::optimisation {
 namespace {
@@ -24,11 +25,17 @@ types::SolverOutcome outcome_of(const ceres::Solver::Summary& summary) {
     outcome.initial_cost = summary.initial_cost;
     outcome.final_cost = summary.final_cost;
     outcome.message = summary.message;
+    double last_decrease = 0.0;
     for (const ceres::IterationSummary& iteration : summary.iterations) {
         outcome.num_iterations = std::max(outcome.num_iterations, iteration.iteration);
-        if (iteration.iteration > 0 && iteration.step_is_successful && iteration.cost > 0.0)
-            outcome.last_decrease = iteration.cost_change / iteration.cost;
+        if (iteration.iteration > 0 && iteration.step_is_successful && iteration.cost > 0.0) {
+            last_decrease = std::max(0.0, iteration.cost_change);
+            outcome.last_decrease = last_decrease / iteration.cost;
+        }
     }
+    // Near its minimum the cost falls by half the squared length of a step, in sigmas.
+    outcome.last_step_sigmas =
+        std::sqrt(2.0 * last_decrease / std::max(1, summary.num_effective_parameters_reduced));
     return outcome;
 }
 

@@ -1,6 +1,9 @@
 #include "worker/optimisation/global_bundle_adjustment.hpp"
 
+#include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "worker/base/rotation_vector.hpp"
@@ -55,7 +58,14 @@ struct Uncertainty {
     types::CovarianceTrack covariances;
     types::CovarianceTrack drift;  // with the calibration taken as exact
     types::PathUncertainty path;
+    // Of the keyframe that the last step moved most, RMS over the axes; nullopt: not known.
+    std::optional<double> last_step_sigmas;
 };
+
+// Returns the RMS over the axes of a move in its standard deviations.
+double in_sigmas(const Eigen::Vector3d& move_m, const Eigen::Matrix3d& covariance_m2) {
+    return std::sqrt(move_m.dot(covariance_m2.ldlt().solve(move_m)) / 3.0);
+}
 
 // Returns how the state changes with time, by the IMU around it, or before or after it at an end of
 // the readings; zero where there are none.
@@ -118,6 +128,7 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
     const Eigen::MatrixXd whole_m2 = in_world.positions_m2 + shared_m2;
     const Eigen::Matrix3d R_world_first = states.front().q_world_imu.toRotationMatrix();
     Uncertainty result;
+    result.last_step_sigmas = 0.0;
     for (std::size_t i = 0; i < of.size(); ++i) {
         const Eigen::Vector3d along = by_scale.segment<3>(3 * static_cast<Eigen::Index>(i));
         const Eigen::Matrix3d position_m2 =
@@ -128,8 +139,11 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
              R_world_first.transpose() * in_world.states[i].rotation_rad2 * R_world_first});
         const auto at = 3 * static_cast<Eigen::Index>(i);
         result.drift.push_back(result.covariances.back());
-        result.drift.back().position_m2 =
-            R_world_first.transpose() * in_world.positions_m2.block<3, 3>(at, at) * R_world_first;
+        const Eigen::Matrix3d drift_m2 = in_world.positions_m2.block<3, 3>(at, at);
+        result.drift.back().position_m2 = R_world_first.transpose() * drift_m2 * R_world_first;
+        if (chosen[i] == 0) continue;
+        const Eigen::Vector3d& move_m = bundle_adjustment.last_moves_m()[chosen[i]];
+        result.last_step_sigmas = std::max(*result.last_step_sigmas, in_sigmas(move_m, drift_m2));
     }
     result.path = after_alignment(positions, whole_m2);
     result.path.vertical_scale_sigma = vertical_scale_sigma(positions, in_world.positions_m2);
@@ -178,6 +192,7 @@ GlobalBundleAdjustment adjust_globally(types::Track& track,
                                                 states,
                                                 calibration,
                                                 rates_of(inertial, keyframes, states, reference));
+    if (uncertainty.last_step_sigmas) outcome.last_step_sigmas = *uncertainty.last_step_sigmas;
     const Eigen::Quaterniond q_level_world = gravity_alignment(inertial, reference);
     for (std::size_t k = 0; k < states.size(); ++k)
         keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;

@@ -1,8 +1,9 @@
 #include "worker/compare/co_register.hpp"
 
-#include <gtest/gtest.h>
-
+#include <algorithm>
+#include <gmock/gmock.h>
 #include <iostream>
+#include <string>
 
 #include "schemas/error.hpp"
 #include "tests/synthetic/rough_ground.hpp"
@@ -14,6 +15,9 @@ using synthetic::ground_mesh;
 using synthetic::HeightOf;
 using synthetic::moved;
 using synthetic::rough_ground;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::Not;
 
 constexpr double kStep_m = 0.02;
 constexpr double kNoise_m = 0.003;
@@ -138,11 +142,60 @@ TEST(CoRegister, FindsLowGroundOfWhichEachSurfaceShowsTheShape) {
     EXPECT_LT((fit.T_a_b * T_b_a).translation().norm(), 0.005);
 }
 
+// Returns why two surfaces are not aligned; empty if they are.
+std::string refusal(const types::Mesh& a, const types::Mesh& b, int max_icp_rounds) {
+    try {
+        co_register(
+            a, b, {.spacing_m = kStep_m, .num_threads = 2, .max_icp_rounds = max_icp_rounds}, {});
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::Conflict);
+        return error.what();
+    }
+    return "";
+}
+
+constexpr int kEnough = IcpOptions{}.max_rounds;
+
 TEST(CoRegister, RefusesGroundWithoutShapeAndWithoutImages) {
     const HeightOf flat = [](double, double) { return 0.0; };
     const types::Mesh a = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 1);
     const types::Mesh b = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 2);
-    EXPECT_THROW(registered(a, b), Error);
+    EXPECT_THAT(refusal(a, b, kEnough),
+                HasSubstr("no image features match, and the ground is too flat"));
+}
+
+TEST(CoRegister, RefusesSurfacesOfWhichIcpStillMovesOne) {
+    const HeightOf ground = rough_ground(1);
+    const types::Mesh a = ground_mesh(ground, 1.7, 1.3, kStep_m, kNoise_m, 1);
+    const types::Mesh b = moved(ground_mesh(ground, 1.7, 1.3, kStep_m, kNoise_m, 2),
+                                pose(0.42, 0.0, {0.05, -0.07, 0.02}));
+    EXPECT_EQ(refusal(a, b, kEnough), "");
+    EXPECT_THAT(refusal(a, b, 1), HasSubstr("after 1 rounds of ICP"));
+}
+
+// Colours each vertex by a pattern of the ground that a feature detector finds again.
+void paint(types::Mesh& mesh) {
+    const HeightOf pattern = rough_ground(7);
+    for (const Eigen::Vector3f& vertex : mesh.vertices) {
+        const Eigen::Vector3d p = vertex.cast<double>();
+        const double grey = 128.0 + 400.0 * pattern(6.0 * p.x(), 6.0 * p.y());
+        mesh.colors.emplace_back();
+        mesh.colors.back().fill(static_cast<std::uint8_t>(std::clamp(grey, 0.0, 255.0)));
+    }
+}
+
+TEST(CoRegister, SaysThatFeaturesMatchWhereTheyDoAndTheGroundHasChanged) {
+    const HeightOf flat = [](double, double) { return 0.0; };
+    const HeightOf half_raised = [](double x, double) { return x > 0.0 ? 0.2 : 0.0; };
+    types::Mesh a = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 1);
+    types::Mesh same = ground_mesh(flat, 1.0, 1.0, kStep_m, kNoise_m, 2);
+    types::Mesh changed = ground_mesh(half_raised, 1.0, 1.0, kStep_m, kNoise_m, 2);
+    for (types::Mesh* mesh : {&a, &same, &changed}) paint(*mesh);
+    const Eigen::Isometry3d T_b_a = pose(0.3, 0.0, {0.2, 0.1, 0.0});
+    EXPECT_EQ(refusal(a, moved(same, T_b_a), kEnough), "");
+    EXPECT_THAT(refusal(a, moved(changed, T_b_a), kEnough),
+                AllOf(HasSubstr("image features match, but where they do only"),
+                      Not(HasSubstr("no image features"))));
 }
 
 }  // namespace

@@ -252,5 +252,17 @@ TEST_F(KnownDistancesTest, PixelNoiseLeavesThePointWhereItIsWithinItsShare) {
     EXPECT_LT((*point - bar_.a_world).norm(), 1e-3);  // 0.3 px at 1.2 m are 0.7 mm
 }
 
+TEST_F(KnownDistancesTest, RaysThatMeetBehindTheCamerasGiveNoPoint) {
+    const SurfaceIndex reference(floor_);
+    std::vector<dive::Mark> marks =
+        mark_point(bar_.a_world, MarkingInput{rig_, truth_, timestamps_ns_, reference});
+    ASSERT_EQ(marks.size(), 10U);
+    marks.erase(marks.begin() + 1, marks.end());
+    const double disparity_px = marks[0].pixel_left.x() - marks[0].pixel_right->x();
+    ASSERT_GT(disparity_px, 0.0);
+    marks[0].pixel_right->x() += 2.0 * disparity_px;
+    EXPECT_FALSE(triangulate(marks, rig_, truth_, 1));
+}
+
 }  // namespace
 }  // namespace divemesh::evaluation

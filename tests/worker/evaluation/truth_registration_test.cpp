@@ -181,6 +181,31 @@ TEST(TruthRegistration, RefusesAnOffsetWhenTheVelocityNeverChanged) {
     EXPECT_THROW(register_truth(estimate_of(straight), truth_of(straight), options), Error);
 }
 
+// Returns a pose that is shaken faster than velocities are measured: their signs are wrong, so no
+// step towards the offset of the clocks ends there.
+Eigen::Isometry3d shaken(double t) {
+    constexpr double kRate_rad_s = 4.2;
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.translation() = Eigen::Vector3d(0.1 * std::sin(5.0 * kRate_rad_s * t),
+                                         0.1 * std::sin(5.3 * kRate_rad_s * t + 1.0),
+                                         0.1 * std::sin(5.6 * kRate_rad_s * t + 2.0));
+    return pose;
+}
+
+TEST(TruthRegistration, RefusesAnOffsetAtWhichIterationsDoNotEnd) {
+    TruthOptions options;
+    options.solve_time_offset = true;
+    try {
+        register_truth(estimate_of(shaken), truth_of(shaken), options);
+        FAIL() << "was solved";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::BadData);
+        EXPECT_NE(std::string(error.what()).find("50 iterations did not suffice"),
+                  std::string::npos)
+            << error.what();
+    }
+}
+
 TEST(TruthRegistration, WhatIsGivenIsTakenAsItIs) {
     TruthOptions options;
     const Eigen::Quaterniond q(T_body_marker().linear());

@@ -94,6 +94,13 @@ TEST(ImuAlignmentTest, LeavesAGoodCalibrationAlone) {
     EXPECT_FALSE(estimate->rotation_is_significant());
 }
 
+TEST(ImuAlignmentTest, SaysNothingOfAnOffsetBeyondItsReach) {
+    for (const double offset_s : {-0.09, 0.07, 0.09})
+        EXPECT_FALSE(estimate_alignment(gyroscope(injected(offset_s, Eigen::Vector3d::Zero())),
+                                        vision_rotations(0.0, 0.0)))
+            << offset_s;
+}
+
 TEST(ImuAlignmentTest, SaysNothingWithoutSamplesOrTurns) {
     EXPECT_FALSE(estimate_alignment({}, vision_rotations(0.0, 0.0)));
     EXPECT_FALSE(estimate_alignment(gyroscope({}), {}));

@@ -88,6 +88,15 @@ TEST(JudgeGyroscopeTest, FindsAClockThatIsOffByUpToASecond) {
     }
 }
 
+TEST(JudgeGyroscopeTest, AClockThatIsOffByMoreIsNotTakenForOneThatIsOffByASecond) {
+    for (const double offset_s : {-1.2, -1.05, 1.05, 1.2}) {
+        const auto judgement = judged(
+            [&](types::ImuSample& sample) { sample.timestamp_ns += std::llround(1e9 * offset_s); });
+        EXPECT_EQ(judgement.fit, GyroscopeFit::Contradicts) << offset_s;
+        EXPECT_EQ(judgement.fault, GyroscopeFault::Unexplained) << offset_s;
+    }
+}
+
 TEST(JudgeGyroscopeTest, NamesTheMirroredAxis) {
     for (int axis = 0; axis < 3; ++axis) {
         const auto judgement =
