@@ -43,6 +43,7 @@ constexpr Row kRows[] = {
     {"camera_unsharp",              "surface"},
     {"images_bayer",                "surface"},
     {"images_soft",                 "surface"},
+    {"rolling_shutter",             "surface"},
     {"images_featureless",          "surface"},
     {"bounds_unknown",              "accuracy"},
     {"calibration_not_converged",   "accuracy"},

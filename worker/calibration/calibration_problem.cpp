@@ -9,6 +9,7 @@
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
+#include "worker/calibration/undo_rolling_shutter.hpp"
 #include "worker/camera/rerectifier.hpp"
 #include "worker/imu/imu_steps.hpp"
 #include "worker/optimisation/ceres_outcome.hpp"
@@ -33,6 +34,7 @@ constexpr double kMinWalk = 1e-6;   // rad/s
 constexpr double kBiasSigma = 0.1;  // rad/s
 constexpr double kOffsetSigma_s = 0.03;
 constexpr double kRotationSigma_rad = 0.035;
+constexpr double kReadoutSigma_s = 0.03;  // a frame takes 33 ms at the usual rate
 // The prior of a step between keyframes. It is so wide that it has no effect where anything else
 // constrains the step.
 constexpr double kStepSigma_m = 10.0;
@@ -67,6 +69,8 @@ CalibrationProblem::CalibrationProblem(const types::Track& track,
       recording_(recording),
       inertial_(inertial),
       prior_sigmas_(lens_prior_sigmas(recording.rig())),
+      shutter_(track.rig, camera::rectified_lenses(recording.rig())[0]),
+      motions_(camera_motions(track, track.keyframes)),
       loss_(kHuber),
       lens_loss_(kHuber / kSystematic) {
     for (const types::Keyframe& keyframe : track.keyframes) {
@@ -85,7 +89,7 @@ CalibrationProblem::CalibrationProblem(const types::Track& track,
     unknowns_.misalignment = base::vector_from_rotation(track.imu_alignment.q_body_imu);
 }
 
-types::SolverOutcome CalibrationProblem::solve(bool free_lenses,
+types::SolverOutcome CalibrationProblem::solve(const FreeUnknowns& free,
                                                const base::ProgressCallback& progress,
                                                const Progress& at,
                                                int max_rounds) {
@@ -93,7 +97,7 @@ types::SolverOutcome CalibrationProblem::solve(bool free_lenses,
     types::SolverOutcome whole;
     for (int i = 1; i <= max_rounds; ++i) {
         const CalibrationUnknowns before = unknowns_;
-        Round done = round(free_lenses, i == max_rounds, progress, at);
+        Round done = round(free, i == max_rounds, progress, at);
         if (i > 1) done.outcome.initial_cost = whole.initial_cost;
         done.outcome.num_iterations += whole.num_iterations;
         whole = std::move(done.outcome);
@@ -105,7 +109,7 @@ types::SolverOutcome CalibrationProblem::solve(bool free_lenses,
     return whole;
 }
 
-CalibrationProblem::Round CalibrationProblem::round(bool free_lenses,
+CalibrationProblem::Round CalibrationProblem::round(const FreeUnknowns& free,
                                                     bool last,
                                                     const base::ProgressCallback& progress,
                                                     const Progress& at) {
@@ -121,10 +125,10 @@ CalibrationProblem::Round CalibrationProblem::round(bool free_lenses,
     }
     problem.SetParameterBlockConstant(q(states_.front()));
     problem.SetParameterBlockConstant(states_.front().p_world_body.data());
-    add_observations(problem, *ordering, free_lenses);
+    add_observations(problem, *ordering, free);
     if (inertial_.has_gyroscope()) add_gyro_rotations(problem);
     add_odometry(problem);
-    add_priors(problem, free_lenses);
+    add_priors(problem, free);
     for (double* block : kept_blocks())
         if (problem.HasParameterBlock(block)) ordering->AddElementToGroup(block, 1);
 
@@ -143,7 +147,7 @@ CalibrationProblem::Round CalibrationProblem::round(bool free_lenses,
     const bool still = std::abs(unknowns_.time_offset_s - before.time_offset_s) < kConverged_s &&
                        shift_px(unknowns_.lenses - before.lenses) < kConverged_px;
     types::SolverOutcome outcome = optimisation::outcome_of(summary);
-    if ((still || last) && !outcome.failed() && !find_sigmas(problem, free_lenses)) {
+    if ((still || last) && !outcome.failed() && !find_sigmas(problem, free)) {
         outcome.termination = types::SolverOutcome::Termination::Failed;
         outcome.message = "the measurements do not determine all unknowns";
     }
@@ -173,11 +177,12 @@ LensReprojection::Shift CalibrationProblem::shift_of(
 
 void CalibrationProblem::add_observations(ceres::Problem& problem,
                                           ceres::ParameterBlockOrdering& ordering,
-                                          bool free_lenses) {
-    const Eigen::Vector3d sigma_px = (free_lenses ? kSystematic : 1.0) * types::kFeatureSigma_px;
+                                          const FreeUnknowns& free) {
+    const Eigen::Vector3d sigma_px = (free.any() ? kSystematic : 1.0) * types::kFeatureSigma_px;
     const auto lenses = this->lenses();
     const camera::Rerectifier rerectifier(recording_.rig(), track_.rig, split(unknowns_.lenses));
-    for (types::Landmark& landmark : landmarks_) {
+    for (std::size_t i = 0; i < landmarks_.size(); i += stride_) {
+        types::Landmark& landmark = landmarks_[i];
         for (const types::LandmarkObservation& seen : landmark.observations) {
             const Eigen::Vector3d moved =
                 rerectifier.moved(Eigen::Vector3d(seen.u_px, seen.v_px, seen.disparity_px));
@@ -185,13 +190,15 @@ void CalibrationProblem::add_observations(ceres::Problem& problem,
             residual.shift_px = shift_of(lenses, moved);
             residual.stereo = {track_.rig, moved + residual.shift_px * unknowns_.lenses, sigma_px};
             if (moved.z() <= 0.0) residual.stereo.measured_px.z() = 0.0;
+            residual.by_readout_px_s = shift_by_readout_px_s(landmark, seen);
             State& state = states_[static_cast<std::size_t>(seen.keyframe)];
             problem.AddResidualBlock(LensReprojection::create(residual),
-                                     free_lenses ? &lens_loss_ : &loss_,
+                                     free.any() ? &lens_loss_ : &loss_,
                                      q(state),
                                      state.p_world_body.data(),
                                      landmark.p_world.data(),
-                                     unknowns_.lenses.data());
+                                     unknowns_.lenses.data(),
+                                     &unknowns_.readout_time_s);
         }
         ordering.AddElementToGroup(landmark.p_world.data(), 0);
     }
@@ -246,14 +253,16 @@ void CalibrationProblem::add_odometry(ceres::Problem& problem) {
     }
 }
 
-void CalibrationProblem::add_priors(ceres::Problem& problem, bool free_lenses) {
+void CalibrationProblem::add_priors(ceres::Problem& problem, const FreeUnknowns& free) {
     const auto add = [&](double* block, const Eigen::VectorXd& sigmas) {
         const Eigen::MatrixXd weights = sigmas.cwiseInverse().asDiagonal();
         problem.AddResidualBlock(
             new ceres::NormalPrior(weights, Eigen::VectorXd::Zero(sigmas.size())), nullptr, block);
     };
     add(unknowns_.lenses.data(), prior_sigmas_);
-    if (!free_lenses) problem.SetParameterBlockConstant(unknowns_.lenses.data());
+    if (!free.lenses) problem.SetParameterBlockConstant(unknowns_.lenses.data());
+    add(&unknowns_.readout_time_s, Eigen::VectorXd::Constant(1, kReadoutSigma_s));
+    if (!free.readout_time) problem.SetParameterBlockConstant(&unknowns_.readout_time_s);
     if (!problem.HasParameterBlock(&unknowns_.time_offset_s)) return;
     add(&unknowns_.time_offset_s, Eigen::VectorXd::Constant(1, kOffsetSigma_s));
     add(unknowns_.misalignment.data(), Eigen::Vector3d::Constant(kRotationSigma_rad));
@@ -265,22 +274,25 @@ void CalibrationProblem::add_priors(ceres::Problem& problem, bool free_lenses) {
 }
 
 std::vector<double*> CalibrationProblem::kept_blocks() {
-    std::vector<double*> blocks = {
-        unknowns_.lenses.data(), unknowns_.misalignment.data(), &unknowns_.time_offset_s};
+    std::vector<double*> blocks = {unknowns_.lenses.data(),
+                                   &unknowns_.readout_time_s,
+                                   unknowns_.misalignment.data(),
+                                   &unknowns_.time_offset_s};
     for (State& state : states_)
         for (double* block : {q(state), state.p_world_body.data(), state.gyroscope_bias_imu.data()})
             blocks.push_back(block);
     return blocks;
 }
 
-bool CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) {
+bool CalibrationProblem::find_sigmas(ceres::Problem& problem, const FreeUnknowns& free) {
     std::vector<double*> kept;
     for (double* block : kept_blocks())
         if (problem.HasParameterBlock(block)) kept.push_back(block);
     std::vector<double*> points;
-    for (types::Landmark& landmark : landmarks_) points.push_back(landmark.p_world.data());
+    for (std::size_t i = 0; i < landmarks_.size(); i += stride_)
+        points.push_back(landmarks_[i].p_world.data());
     const optimisation::ReducedInformation information = optimisation::reduced_information(
-        problem, kept, points, free_lenses ? kHuber / kSystematic : kHuber);
+        problem, kept, points, free.any() ? kHuber / kSystematic : kHuber);
     const auto inverse = optimisation::SparseInverse::of(information.lower);
     if (!inverse) return false;
     const auto covariance = [&](const double* block, int size) -> Eigen::MatrixXd {
@@ -292,6 +304,7 @@ bool CalibrationProblem::find_sigmas(ceres::Problem& problem, bool free_lenses) 
     sigmas_.lenses = covariance(unknowns_.lenses.data(), LensReprojection::kNumChanges);
     sigmas_.misalignment = covariance(unknowns_.misalignment.data(), 3);
     sigmas_.time_offset_s = std::sqrt(covariance(&unknowns_.time_offset_s, 1)(0, 0));
+    sigmas_.readout_time_s = std::sqrt(covariance(&unknowns_.readout_time_s, 1)(0, 0));
     return true;
 }
 
@@ -311,7 +324,34 @@ double CalibrationProblem::moved_sigmas(const CalibrationUnknowns& before) const
     if (!sigmas_.lenses.isZero(0.0))
         sigmas =
             std::max(sigmas, rms(LensChanges(unknowns_.lenses - before.lenses), sigmas_.lenses));
+    if (sigmas_.readout_time_s > 0.0)
+        sigmas = std::max(
+            sigmas,
+            std::abs(unknowns_.readout_time_s - before.readout_time_s) / sigmas_.readout_time_s);
     return sigmas;
+}
+
+Eigen::Vector3d CalibrationProblem::shift_by_readout_px_s(
+    const types::Landmark& landmark, const types::LandmarkObservation& seen) const {
+    const auto keyframe = static_cast<std::size_t>(seen.keyframe);
+    if (!motions_[keyframe]) return Eigen::Vector3d::Zero();
+    const State& state = states_[keyframe];
+    const Eigen::Vector3d p_body =
+        state.q_world_body.conjugate() * (landmark.p_world - state.p_world_body);
+    return shutter_.shift_px_s(
+        *motions_[keyframe], {seen.u_px, seen.v_px}, track_.rig.T_imu_cam.inverse() * p_body);
+}
+
+double CalibrationProblem::shift_by_readout_px(double readout_time_s) const {
+    double squares_px2 = 0.0;
+    double num = 0.0;
+    for (const types::Landmark& landmark : landmarks_) {
+        for (const types::LandmarkObservation& seen : landmark.observations) {
+            squares_px2 += (readout_time_s * shift_by_readout_px_s(landmark, seen)).squaredNorm();
+            num += 1.0;
+        }
+    }
+    return num > 0.0 ? std::sqrt(squares_px2 / num) : 0.0;
 }
 
 double CalibrationProblem::shift_px(const LensChanges& changes) const {

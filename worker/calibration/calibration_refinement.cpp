@@ -7,6 +7,7 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/calibration/calibration_priors.hpp"
 #include "worker/calibration/calibration_problem.hpp"
+#include "worker/calibration/undo_rolling_shutter.hpp"
 #include "worker/camera/rerectifier.hpp"
 
 namespace divemesh::calibration {
@@ -19,6 +20,10 @@ constexpr double kMinRotation_rad = 1.7e-3;
 // The sigmas of all parameters of both lenses together, with the weights of systematic errors:
 // exact rigs are below 1.3, typical calibrations from 4 on.
 constexpr double kSignificantLenses = 3.0;
+constexpr double kMinReadout_s = 3e-3;
+// A quarter of the landmarks tells whether a readout time deserves a solve with all of them.
+constexpr std::size_t kReadoutStride = 4;
+constexpr double kMayBeSignificant = 2.0;  // sigmas, of a quarter of the landmarks
 
 bool significant(const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance) {
     return value.dot(covariance.ldlt().solve(value)) >
@@ -49,6 +54,36 @@ void take_lenses(const CalibrationProblem& problem, types::RefinedCalibration& r
         found.dot(covariance.ldlt().solve(found)) > kSignificantLenses * kSignificantLenses;
 }
 
+void take_readout_time(const CalibrationProblem& problem, types::RefinedCalibration& result) {
+    result.readout_time_s = problem.unknowns().readout_time_s;
+    result.readout_time_sigma_s = problem.sigmas().readout_time_s;
+    result.readout_shift_px = problem.shift_by_readout_px(result.readout_time_s);
+}
+
+bool exceeds(const types::RefinedCalibration& found, double sigmas) {
+    return std::abs(found.readout_time_s) >
+           std::max(kMinReadout_s, sigmas * found.readout_time_sigma_s);
+}
+
+// Moves the observations to where they would be if the pairs had been rectified with the changed
+// lenses.
+void apply_lenses(const types::Rig& rig,
+                  const types::RectifiedRig& rectified,
+                  const std::array<types::LensChange, 2>& lenses,
+                  types::Track& track) {
+    const camera::Rerectifier rerectifier(rig, rectified, lenses);
+    for (types::Landmark& landmark : track.landmarks) {
+        for (types::LandmarkObservation& seen : landmark.observations) {
+            const Eigen::Vector3f moved =
+                rerectifier.moved(Eigen::Vector3d(seen.u_px, seen.v_px, seen.disparity_px))
+                    .cast<float>();
+            seen.u_px = moved.x();
+            seen.v_px = moved.y();
+            seen.disparity_px = moved.z();
+        }
+    }
+}
+
 }  // namespace
 
 CalibrationRefinement refine_calibration(const types::Track& track,
@@ -61,22 +96,35 @@ CalibrationRefinement refine_calibration(const types::Track& track,
     CalibrationRefinement refinement;
     types::RefinedCalibration& result = refinement.calibration;
     CalibrationProblem problem(track, recording, inertial);
-    const auto solved = [&](bool free_lenses) {
-        refinement.solves.push_back(problem.solve(free_lenses, progress, at));
+    const auto solved = [&](const FreeUnknowns& free) {
+        refinement.solves.push_back(problem.solve(free, progress, at));
         return !refinement.solves.back().failed();
     };
     const bool align = options.align_imu && inertial.has_gyroscope();
     if (align) {
-        if (!solved(false)) return refinement;
+        if (!solved({})) return refinement;
         take_imu(problem, result);
     }
-    if (!options.refine_lenses || !solved(true)) return refinement;
+    if (!options.refine_lenses || !solved({.lenses = true})) return refinement;
     take_lenses(problem, result);
     refinement.lens_covariance = problem.sigmas().lenses;
     if (result.lenses_applied && align) {
         problem.hold_lenses(joined(result.lenses));
-        if (solved(false)) take_imu(problem, result);
+        if (solved({})) take_imu(problem, result);
     }
+    problem.thin(kReadoutStride);
+    if (!solved({.readout_time = true})) return refinement;
+    take_readout_time(problem, result);
+    if (!exceeds(result, kMayBeSignificant)) return refinement;
+    problem.thin(1);
+    if (!solved({.lenses = true, .readout_time = true})) return refinement;
+    take_readout_time(problem, result);
+    result.readout_time_applied = exceeds(result, kSignificant);
+    if (!result.readout_time_applied) return refinement;
+    take_lenses(problem, result);
+    refinement.lens_covariance = problem.sigmas().lenses;
+    problem.hold_lenses(result.lenses_applied ? joined(result.lenses) : LensChanges::Zero());
+    if (align && solved({})) take_imu(problem, result);
     return refinement;
 }
 
@@ -103,18 +151,9 @@ void apply_calibration(const types::Rig& rig,
         for (types::StampedPose& pose : track.odometry)
             pose.T_world_imu = pose.T_world_imu * T_body_imu;
     }
-    if (!calibration.lenses_applied) return;
-    const camera::Rerectifier rerectifier(rig, rectified, calibration.lenses);
-    for (types::Landmark& landmark : track.landmarks) {
-        for (types::LandmarkObservation& seen : landmark.observations) {
-            const Eigen::Vector3f moved =
-                rerectifier.moved(Eigen::Vector3d(seen.u_px, seen.v_px, seen.disparity_px))
-                    .cast<float>();
-            seen.u_px = moved.x();
-            seen.v_px = moved.y();
-            seen.disparity_px = moved.z();
-        }
-    }
+    if (calibration.lenses_applied) apply_lenses(rig, rectified, calibration.lenses, track);
+    if (calibration.readout_time_applied)
+        undo_rolling_shutter(rig, calibration.readout_time_s, track);
 }
 
 }  // namespace divemesh::calibration

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/camera/one_surface.hpp"
+
 namespace divemesh::camera {
 namespace {
 
@@ -20,26 +22,6 @@ float row_at(const cv::Mat& image, float u, int v) {
     const float share = u - static_cast<float>(left);
     const float* row = image.ptr<float>(v) + left;
     return (1.0F - share) * row[0] + share * row[1];
-}
-
-constexpr float kOneSurface_px = 1.0F;  // max difference of neighbours on one surface
-
-// Returns the disparity interpolated between four pixels of one surface; `nearest` if they are not
-// on one.
-float disparity_at(const cv::Mat& disparity, float u, float v, float nearest) {
-    const auto left = static_cast<int>(u);
-    const auto top = static_cast<int>(v);
-    if (u < 0.0F || v < 0.0F || left + 1 >= disparity.cols || top + 1 >= disparity.rows)
-        return nearest;
-    const float* above = disparity.ptr<float>(top) + left;
-    const float* below = disparity.ptr<float>(top + 1) + left;
-    const auto [min_px, max_px] = std::minmax({above[0], above[1], below[0], below[1]});
-    if (min_px <= 0.0F || max_px - min_px > kOneSurface_px) return nearest;
-    const float share = u - static_cast<float>(left);
-    const float upper = (1.0F - share) * above[0] + share * above[1];
-    const float lower = (1.0F - share) * below[0] + share * below[1];
-    const float down = v - static_cast<float>(top);
-    return (1.0F - down) * upper + down * lower;
 }
 
 }  // namespace

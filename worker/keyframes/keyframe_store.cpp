@@ -135,6 +135,13 @@ KeyframeStore KeyframeStore::rerectified(
     return store;
 }
 
+KeyframeStore KeyframeStore::corrected(
+    std::shared_ptr<const camera::ShutterCorrection> correction) const {
+    KeyframeStore store = *this;
+    store.correction_ = std::move(correction);
+    return store;
+}
+
 std::filesystem::path KeyframeStore::file_of(int frame_index, const char* extension) const {
     char name[32];
     std::snprintf(name, sizeof name, "%08d.%s", frame_index, extension);
@@ -200,7 +207,8 @@ types::KeyframeImages KeyframeStore::read(int frame_index) const {
         restored(file.disparities(), file.header, CV_16U, kDisparityStep_px);
     images.depth.sigma_disparity_px = restored(file.sigmas(), file.header, CV_8U, kSigmaStep_px);
     if (left_in_color_) images.left_color = left_in_color_(frame_index);
-    return rerectifier_ ? rerectifier_->moved(images) : images;
+    if (rerectifier_) images = rerectifier_->moved(images);
+    return correction_ ? correction_->moved(frame_index, images) : images;
 }
 
 cv::Mat KeyframeStore::read_disparities(int frame_index, int step_px) const {
@@ -229,6 +237,7 @@ cv::Mat KeyframeStore::read_disparities(int frame_index, int step_px) const {
 
 cv::Mat KeyframeStore::left_in_color(int frame_index) const {
     if (!left_in_color_) return {};
+    if (correction_) return read(frame_index).left_color;
     const cv::Mat color = left_in_color_(frame_index);
     return rerectifier_ ? rerectifier_->moved(color) : color;
 }

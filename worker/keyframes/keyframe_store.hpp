@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "worker/camera/rerectifier.hpp"
+#include "worker/camera/shutter_correction.hpp"
 #include "worker/features/described_keypoints.hpp"
 #include "worker/types/keyframe.hpp"
 
@@ -24,6 +25,8 @@ public:
     explicit KeyframeStore(std::filesystem::path folder, LeftInColor left_in_color = {});
     // Returns the same store; its read() maps images and depth as if rectified with other lenses.
     KeyframeStore rerectified(std::shared_ptr<const camera::KeyframeRerectifier> rerectifier) const;
+    // Returns the same store; its read() then maps images and depth to a global shutter.
+    KeyframeStore corrected(std::shared_ptr<const camera::ShutterCorrection> correction) const;
 
     void clear() const;  // removes all files
 
@@ -31,7 +34,7 @@ public:
     types::KeyframeImages read(int frame_index) const;                // throws Error{NotFound}
     cv::Mat left_in_color(int frame_index) const;                     // the image of read() alone
     // Returns every step_px-th disparity of every step_px-th row (CV_32F, px), as matched: without
-    // the maps of rerectified(). Reads these rows alone. Throws Error{NotFound}.
+    // the maps of rerectified() and corrected(). Reads these rows alone. Throws Error{NotFound}.
     cv::Mat read_disparities(int frame_index, int step_px) const;
 
     // Write and read the grey left image in a file of its own, as rectified while the dive was
@@ -49,6 +52,7 @@ private:
     std::filesystem::path folder_;
     LeftInColor left_in_color_;
     std::shared_ptr<const camera::KeyframeRerectifier> rerectifier_;
+    std::shared_ptr<const camera::ShutterCorrection> correction_;
 };
 
 }  // namespace divemesh::keyframes

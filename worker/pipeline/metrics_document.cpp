@@ -76,6 +76,11 @@ json refined(const MetricsInput& input) {
                      {"cam1", lens(input.rig.cam1, refined.lenses[1], refined.lens_sigmas[1])},
                      {"shift_px", refined.lens_shift_px},
                      {"applied", refined.lenses_applied}}}};
+    if (refined.readout_time_sigma_s > 0.0)
+        result["readout_time_s"] = {{"value", refined.readout_time_s},
+                                    {"sigma", refined.readout_time_sigma_s},
+                                    {"shift_px", refined.readout_shift_px},
+                                    {"applied", refined.readout_time_applied}};
     if (!input.rig.imu_noise || refined.time_offset_sigma_s <= 0.0) return result;
     const Eigen::Vector3d w = base::kDegPerRad * base::vector_from_rotation(refined.imu.q_body_imu);
     const Eigen::Vector3d sigma = base::kDegPerRad * refined.rotation_sigma_rad;

@@ -1,7 +1,12 @@
 #include <filesystem>
 #include <iterator>
+#include <map>
 #include <memory>
+#include <utility>
 
+#include "worker/calibration/undo_rolling_shutter.hpp"
+#include "worker/camera/rectified_lens.hpp"
+#include "worker/camera/shutter_correction.hpp"
 #include "worker/io/covariance_file.hpp"
 #include "worker/io/trajectory_file.hpp"
 #include "worker/pipeline/measured_poses.hpp"
@@ -9,6 +14,21 @@
 #include "worker/pipeline/stage_functions.hpp"
 
 namespace divemesh::pipeline {
+namespace {
+
+std::shared_ptr<const camera::ShutterCorrection> shutter_correction(const Reconstruction& made) {
+    const auto found = calibration::camera_motions(made.track, made.track.mapped);
+    std::map<int, camera::CameraMotion> motions;
+    for (std::size_t i = 0; i < found.size(); ++i)
+        if (found[i]) motions[made.track.mapped[i].frame_index] = *found[i];
+    return std::make_shared<camera::ShutterCorrection>(
+        made.track.rig,
+        camera::rectified_lenses(made.recording.rig())[0],
+        made.optimised.calibration.readout_time_s,
+        std::move(motions));
+}
+
+}  // namespace
 
 void write_trajectories(const Reconstruction& made) {
     io::write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
@@ -48,6 +68,8 @@ void finish_optimise(Reconstruction& made) {
             made.keyframe_store.rerectified(std::make_shared<camera::KeyframeRerectifier>(
                 made.track.rig,
                 camera::Rerectifier(made.recording.rig(), made.track.rig, calibration.lenses)));
+    if (made.options().surface && calibration.readout_time_applied)
+        made.keyframe_store = made.keyframe_store.corrected(shutter_correction(made));
     write_trajectories(made);
     // Frees memory that the later stages of an hour-long dive need.
     made.num_landmarks = std::ssize(made.track.landmarks);

@@ -100,6 +100,7 @@ types::Track TrackOptimiser::closed_track() {
     types::Track closed;
     closed.rig = track_.rig;
     closed.odometry = track_.odometry;
+    closed.breaks_ns = track_.breaks_ns;
     closed.keyframes = track_.keyframes;
     closed.landmarks = track_.landmarks;
     closed.imu_alignment = track_.imu_alignment;

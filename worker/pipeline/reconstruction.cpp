@@ -65,6 +65,7 @@ types::RefinedCalibration Reconstruction::refined() const {
             result.lens_sigmas[side][centre] *= reduction;
         }
     result.lens_shift_px *= reduction;
+    result.readout_shift_px *= reduction;
     return result;
 }
 

@@ -63,6 +63,7 @@ std::vector<Finding> findings(const Reconstruction& made,
     add(segments_finding(segments));
     add(scale_finding(expected));
     add(bounds_finding(expected, segments.size()));
+    add(shutter_finding(made.refined()));
     if (made.options().surface) add(surface_finding(std::ssize(made.surface.mesh.triangles)));
     return all;
 }

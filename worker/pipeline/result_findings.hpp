@@ -7,6 +7,7 @@
 #include "schemas/finding.hpp"
 #include "worker/evaluation/expected_accuracy.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
+#include "worker/types/refined_calibration.hpp"
 
 // What the user is told about the result as a whole: what is not known about it.
 namespace divemesh::pipeline {
@@ -20,6 +21,9 @@ std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expecte
 // Returns a warning if the error of a connected path has no bound.
 std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expected,
                                       std::size_t num_segments);
+
+// Returns a warning if a rolling shutter bends the images.
+std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibration);
 
 // Returns an error if a surface without triangles was made.
 std::optional<Finding> surface_finding(std::int64_t num_triangles);

@@ -125,6 +125,10 @@ void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {
     file.flag(calibration.time_offset_applied);
     file.flag(calibration.rotation_applied);
     file.flag(calibration.lenses_applied);
+    file.plain(calibration.readout_time_s);
+    file.plain(calibration.readout_time_sigma_s);
+    file.plain(calibration.readout_shift_px);
+    file.flag(calibration.readout_time_applied);
 }
 
 void fields(auto& file, Is<types::RigAlignment> auto& alignment) {

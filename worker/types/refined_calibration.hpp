@@ -22,6 +22,11 @@ struct RefinedCalibration {
                                                      LensChange::Vector::Zero()};
     double lens_shift_px = 0.0;  // RMS over the image of the shift by the lenses
     bool lenses_applied = false;
+    // The shutter: the time from the first row of an image to the last; negative: upwards.
+    double readout_time_s = 0.0;
+    double readout_time_sigma_s = 0.0;  // 0: not estimated
+    double readout_shift_px = 0.0;      // RMS over the features of the shift by it
+    bool readout_time_applied = false;
 
     ImuAlignment applied_alignment() const {
         ImuAlignment applied;
@@ -29,9 +34,13 @@ struct RefinedCalibration {
         if (rotation_applied) applied.q_body_imu = imu.q_body_imu;
         return applied;
     }
-    bool is_applied() const { return time_offset_applied || rotation_applied || lenses_applied; }
+    bool is_applied() const {
+        return time_offset_applied || rotation_applied || lenses_applied || readout_time_applied;
+    }
     // Keeps the estimates but applies none of them.
-    void leave_as_stated() { time_offset_applied = rotation_applied = lenses_applied = false; }
+    void leave_as_stated() {
+        time_offset_applied = rotation_applied = lenses_applied = readout_time_applied = false;
+    }
     // Returns false if there were no data to estimate it from.
     bool is_known() const { return lens_sigmas[0][0] > 0.0; }
 };

@@ -39,7 +39,7 @@ protected:
         const imu::InertialPrior inertial(recording_, {}, {});
         CalibrationProblem problem(track_, recording_, inertial);
         const types::SolverOutcome outcome =
-            problem.solve(false, base::ignore_progress, {}, max_rounds);
+            problem.solve({}, base::ignore_progress, {}, max_rounds);
         time_offset_s_ = problem.unknowns().time_offset_s;
         return outcome;
     }

@@ -32,6 +32,19 @@ TEST(BoundsFindingTest, OnlyOfAConnectedPath) {
     EXPECT_FALSE(bounds_finding(expected, 1));
 }
 
+TEST(ShutterFindingTest, OnlyOfAReadoutTimeThatIsUsed) {
+    types::RefinedCalibration calibration;
+    calibration.readout_time_s = -0.021;
+    calibration.readout_shift_px = 1.25;
+    EXPECT_FALSE(shutter_finding(calibration));
+    calibration.readout_time_applied = true;
+    const auto finding = shutter_finding(calibration);
+    ASSERT_TRUE(finding);
+    EXPECT_EQ(finding->code, "rolling_shutter");
+    EXPECT_EQ(finding->severity, Severity::Warning);
+    EXPECT_NE(finding->message.find("21.0 ms"), std::string::npos) << finding->message;
+}
+
 TEST(SurfaceFindingTest, AMeshWithoutTrianglesIsAnError) {
     EXPECT_FALSE(surface_finding(1));
     ASSERT_TRUE(surface_finding(0));
