@@ -18,6 +18,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("num_disparities_px", options.num_disparities_px, "disparity search range, a multiple of 16");
     visit("stereo_scales", options.stereo_scales, "image sizes at which sgm matches: 1 the full size, 2 also half of it (weak texture, haze)");
     visit("num_features", options.num_features, "features tracked per frame");
+    visit("max_width_px", options.max_width_px, "images that are wider are reconstructed at a half, a third, ... of their size; 0: at full size");
     visit("estimator", options.estimator, "pairwise (the paper) or window (sliding window)");
     visit("use_imu", options.use_imu, "use the IMU if the dive has one");
     visit("use_ahrs", options.use_ahrs, "use the absolute orientation if the dive has it");
@@ -99,6 +100,9 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
     faults.require(options.stereo_scales == 1 || options.stereo_scales == 2,
                    "stereo_scales",
                    "must be 1 or 2");
+    faults.require(options.max_width_px == 0 || options.max_width_px >= 160,
+                   "max_width_px",
+                   "must be 0 (no limit) or at least 160");
     faults.require(options.num_features >= 20 && options.num_features <= 5000,
                    "num_features",
                    "must be 20 to 5000");

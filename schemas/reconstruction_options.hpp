@@ -22,6 +22,7 @@ struct ReconstructionOptions {
     int num_disparities_px = 128;      // search range, multiple of 16
     int stereo_scales = 2;             // 2: sgm matches at half the size too
     int num_features = 300;            // tracked per frame
+    int max_width_px = 2800;           // of the images; larger ones are reduced; 0: no limit
     std::string estimator = "window";  // pairwise (the paper) | window
     bool use_imu = true;
     bool use_ahrs = true;

@@ -18,8 +18,8 @@ std::vector<Stage<Reconstruction>> reconstruction_stages() {
          .load = load_align, .run = run_align, .save = save_align, .finish = finish_align},
 
         {.spec = {.name = "track", .share = 0.55,
-                  .reads = {"stereo", "num_disparities_px", "stereo_scales", "num_features", "estimator", "use_imu", "use_ahrs",
-                            "use_pressure", "close_loops", "align_imu", "surface", "map_step", "seed"},
+                  .reads = {"stereo", "num_disparities_px", "stereo_scales", "num_features", "max_width_px", "estimator", "use_imu",
+                            "use_ahrs", "use_pressure", "close_loops", "align_imu", "surface", "map_step", "seed"},
                   .files = {"track.stage", "keyframes"}},
          .load = load_track, .run = run_track, .save = save_track, .finish = finish_track},
 

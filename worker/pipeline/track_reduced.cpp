@@ -9,10 +9,10 @@
 namespace divemesh::pipeline {
 namespace {
 
-constexpr int kMaxReduction = 4;
+constexpr int kMaxReduction = 4;   // of what was lost
 constexpr int kMinWidth_px = 320;  // of reduced images
 // Shares of the frames that vision followed.
-constexpr double kMaxAtFullSize = 0.5;
+constexpr double kMaxUnreduced = 0.5;
 constexpr double kMinShareToStop = 0.9;
 constexpr double kMinGained = 0.25;
 
@@ -40,24 +40,28 @@ private:
 
 }  // namespace
 
+int reduction_to_width(int width_px, int max_width_px) {
+    return max_width_px > 0 ? std::max(1, (width_px + max_width_px - 1) / max_width_px) : 1;
+}
+
 int better_reduction(const types::Track& track,
                      const ReconstructionOptions& options,
                      const std::filesystem::path& scratch,
                      AlignedRecording& recording,
                      const base::ProgressCallback& progress) {
-    const double at_full_size = share_by_vision(track);
-    if (options.is_pairwise() || track.motions.size() < 2 || at_full_size > kMaxAtFullSize)
-        return 1;
+    const double unreduced = share_by_vision(track);
+    if (options.is_pairwise() || track.motions.size() < 2 || unreduced > kMaxUnreduced)
+        return track.reduction;
     const auto all_is_done = [&](Progress at) {
         at.fraction = 1.0;
         progress(at);
     };
     ReconstructionOptions path_only = options;
     path_only.surface = false;
-    int best = 1;
-    double best_share = at_full_size + kMinGained;
-    for (int reduction = 2; reduction <= kMaxReduction && best_share < kMinShareToStop;
-         ++reduction) {
+    int best = track.reduction;
+    double best_share = unreduced + kMinGained;
+    for (int factor = 2; factor <= kMaxReduction && best_share < kMinShareToStop; ++factor) {
+        const int reduction = factor * track.reduction;
         if (recording.recorded_rig().cam0.width_px / reduction < kMinWidth_px) break;
         const AttemptFolder folder(scratch);
         recording.set_reduction(reduction);
@@ -69,17 +73,27 @@ int better_reduction(const types::Track& track,
         best = reduction;
         best_share = share;
     }
-    recording.set_reduction(1);
+    recording.set_reduction(track.reduction);
     recording.rewind();
     return best;
 }
 
-Finding reduced_finding(int reduction) {
+Finding large_images_finding(int reduction) {
+    return {
+        Severity::Info,
+        "images_reduced",
+        "mav0/cam0/data",
+        "the images are wider than the option max_width_px, so the dive was reconstructed at 1/" +
+            std::to_string(reduction) + " of their size",
+        "to use every pixel, in several times the time, set max_width_px=0"};
+}
+
+Finding soft_images_finding(int reduction) {
     return {
         Severity::Warning,
         "images_soft",
         "mav0/cam0/data",
-        "vision lost the scene at full size and followed it in images of 1/" +
+        "vision lost the scene in larger images and followed it in images of 1/" +
             std::to_string(reduction) +
             " of the size, so the dive was reconstructed at that size and its surface is coarser: "
             "turbid water, or lenses out of focus",

@@ -10,18 +10,23 @@
 
 namespace divemesh::pipeline {
 
+// Returns the smallest reduction that makes images no wider than a limit; 0: no limit.
+int reduction_to_width(int width_px, int max_width_px);
+
 // Returns the reduction of the images at which vision follows far more of the dive than in `track`,
-// which was tracked at full size: soft images, of turbid water or out of focus, have nothing to
-// track in their finest pixels. 1 if none does, or most of the dive was tracked. The attempts keep
-// their files in `scratch`, which is removed. The recording is left at full size and at its first
-// frame.
+// a multiple of the track's: soft images, of turbid water or out of focus, have nothing to track in
+// their finest pixels. The track's own if none does, or most of the dive was tracked. The attempts
+// keep their files in `scratch`, which is removed. The recording is left as for `track`, at its
+// first frame.
 int better_reduction(const types::Track& track,
                      const ReconstructionOptions& options,
                      const std::filesystem::path& scratch,
                      AlignedRecording& recording,
                      const base::ProgressCallback& progress);
 
-// Returns what the user is told about images that were reduced.
-Finding reduced_finding(int reduction);
+// Return what the user is told about images that were reduced: because of their size, or because
+// vision lost the scene in larger ones.
+Finding large_images_finding(int reduction);
+Finding soft_images_finding(int reduction);
 
 }  // namespace divemesh::pipeline

@@ -5,6 +5,16 @@
 #include "worker/pipeline/track_reduced.hpp"
 
 namespace divemesh::pipeline {
+namespace {
+
+void run_reduced(Reconstruction& made, int reduction, const base::ProgressCallback& progress) {
+    if (reduction != made.recording.reduction()) made.set_reduction(reduction);
+    made.keyframe_store.clear();
+    made.track = track(made.recording, made.options(), made.keyframe_store, progress);
+    made.track.reduction = reduction;
+}
+
+}  // namespace
 
 bool load_track(Reconstruction& made, const std::string& key) {
     auto stored = load_track(made.scratch("track.stage"), key);
@@ -13,16 +23,17 @@ bool load_track(Reconstruction& made, const std::string& key) {
 }
 
 void run_track(Reconstruction& made, const base::ProgressCallback& progress) {
-    made.keyframe_store.clear();
-    made.track = track(made.recording, made.options(), made.keyframe_store, progress);
-    const int reduction = better_reduction(
+    const int by_width = reduction_to_width(made.recording.recorded_rig().cam0.width_px,
+                                            made.options().max_width_px);
+    run_reduced(made, by_width, progress);
+    const int better = better_reduction(
         made.track, made.options(), made.scratch("reduced"), made.recording, progress);
-    if (reduction == 1) return;
-    made.set_reduction(reduction);
-    made.keyframe_store.clear();
-    made.track = track(made.recording, made.options(), made.keyframe_store, progress);
-    made.track.reduction = reduction;
-    made.track.findings.push_back(reduced_finding(reduction));
+    if (better > by_width) {
+        run_reduced(made, better, progress);
+        made.track.findings.push_back(soft_images_finding(better));
+    } else if (by_width > 1) {
+        made.track.findings.push_back(large_images_finding(by_width));
+    }
 }
 
 void save_track(Reconstruction& made, const std::string& key) {

@@ -118,6 +118,7 @@ TEST(StageKeysTest, EveryOptionIsFirstReadByTheStageThatNamesIt) {
         {"stereo", {"block", "track"}},
         {"num_disparities_px", {64, "track"}},
         {"num_features", {400, "track"}},
+        {"max_width_px", {0, "track"}},
         {"estimator", {"pairwise", "track"}},
         {"use_imu", {false, "track"}},
         {"use_ahrs", {false, "track"}},

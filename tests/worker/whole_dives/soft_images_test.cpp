@@ -127,6 +127,28 @@ TEST_F(SoftImagesTest, WhatIsTrackedStaysAtFullSize) {
     EXPECT_EQ(reduction_of(recording), 1);
 }
 
+TEST(WideImagesTest, AreReducedToTheLimit) {
+    EXPECT_EQ(reduction_to_width(1920, 2800), 1);
+    EXPECT_EQ(reduction_to_width(2800, 2800), 1);
+    EXPECT_EQ(reduction_to_width(2801, 2800), 2);
+    EXPECT_EQ(reduction_to_width(6000, 2800), 3);
+    EXPECT_EQ(reduction_to_width(6000, 0), 1);
+}
+
+TEST_F(SoftImagesTest, WhatIsLostInReducedImagesIsTrackedInSmallerOnes) {
+    SoftRecording soft(*dive_);
+    AlignedRecording recording(soft);
+    recording.set_reduction(2);
+    types::Track lost = tracked(recording);
+    lost.reduction = 2;
+    lost.motions.assign(lost.motions.size(), types::MotionSource::Nothing);
+
+    EXPECT_EQ(
+        better_reduction(lost, options_, *folder_ / "reduced", recording, base::ignore_progress),
+        4);
+    EXPECT_EQ(recording.reduction(), 2);
+}
+
 // The ray of a point is the same in both sizes.
 TEST_F(SoftImagesTest, TheReducedRigSeesPointsInTheReducedPixels) {
     SoftRecording soft(*dive_);
