@@ -342,6 +342,10 @@ Eigen::Vector3d CalibrationProblem::shift_by_readout_px_s(
         *motions_[keyframe], {seen.u_px, seen.v_px}, track_.rig.T_imu_cam.inverse() * p_body);
 }
 
+bool CalibrationProblem::knows_motion() const {
+    return std::ranges::any_of(motions_, [](const auto& motion) { return motion.has_value(); });
+}
+
 double CalibrationProblem::shift_by_readout_px(double readout_time_s) const {
     double squares_px2 = 0.0;
     double num = 0.0;

@@ -67,6 +67,8 @@ public:
     void hold_lenses(const LensChanges& changes) { unknowns_.lenses = changes; }
     // Uses every `stride`-th landmark from now on.
     void thin(std::size_t stride) { stride_ = stride; }
+    // Returns false if the motion is known at no keyframe: then nothing tells the readout time.
+    bool knows_motion() const;
     const CalibrationUnknowns& unknowns() const { return unknowns_; }
     const CalibrationSigmas& sigmas() const { return sigmas_; }
     // Returns how far a change of the lenses moves the image and the disparities, RMS, px, without

@@ -112,6 +112,7 @@ CalibrationRefinement refine_calibration(const types::Track& track,
         problem.hold_lenses(joined(result.lenses));
         if (solved({})) take_imu(problem, result);
     }
+    if (!problem.knows_motion()) return refinement;
     problem.thin(kReadoutStride);
     if (!solved({.readout_time = true})) return refinement;
     take_readout_time(problem, result);

@@ -61,6 +61,15 @@ protected:
                 seen.disparity_px = px.z();
             }
     }
+    types::RefinedCalibration refined() const {
+        return refine_calibration(track_,
+                                  recording_,
+                                  {},
+                                  imu::InertialPrior(recording_, {}, {}),
+                                  base::ignore_progress,
+                                  {})
+            .calibration;
+    }
     double frame_of(const types::LandmarkObservation& seen) const {
         return track_.keyframes[static_cast<std::size_t>(seen.keyframe)].frame_index;
     }
@@ -95,13 +104,7 @@ TEST_F(RollingShutterTest, UndoneItIsAGlobalShutter) {
 TEST_F(RollingShutterTest, ItsReadoutTimeIsFound) {
     for (const double readout_time_s : {0.02, -0.015}) {
         expose(readout_time_s, 0.25);
-        const auto found = refine_calibration(track_,
-                                              recording_,
-                                              {},
-                                              imu::InertialPrior(recording_, {}, {}),
-                                              base::ignore_progress,
-                                              {})
-                               .calibration;
+        const types::RefinedCalibration found = refined();
         EXPECT_NEAR(found.readout_time_s, readout_time_s, 0.1 * std::abs(readout_time_s));
         EXPECT_TRUE(found.readout_time_applied) << found.readout_time_sigma_s;
         EXPECT_GT(found.readout_shift_px, 0.2);
@@ -109,13 +112,7 @@ TEST_F(RollingShutterTest, ItsReadoutTimeIsFound) {
 }
 
 TEST_F(RollingShutterTest, AGlobalShutterHasNone) {
-    const auto found = refine_calibration(track_,
-                                          recording_,
-                                          {},
-                                          imu::InertialPrior(recording_, {}, {}),
-                                          base::ignore_progress,
-                                          {})
-                           .calibration;
+    const types::RefinedCalibration found = refined();
     EXPECT_GT(found.readout_time_sigma_s, 0.0);
     EXPECT_LT(std::abs(found.readout_time_s), 2e-3);
     EXPECT_FALSE(found.readout_time_applied);
@@ -125,6 +122,7 @@ TEST_F(RollingShutterTest, MotionOverALongTimeIsNotUniform) {
     for (types::StampedPose& pose : track_.odometry) pose.timestamp_ns *= 4;
     for (types::Keyframe& keyframe : track_.keyframes) keyframe.timestamp_ns *= 4;
     for (const auto& motion : camera_motions(track_, track_.keyframes)) EXPECT_FALSE(motion);
+    EXPECT_EQ(refined().readout_time_sigma_s, 0.0);  // not estimated
 }
 
 }  // namespace
