@@ -15,7 +15,7 @@ void for_each_option(Options& options, Visit&& visit) {
     // clang-format off
     visit("align_cameras", options.align_cameras, "estimate the right camera's pose relative to the left one from the images, and the medium of the calibration, and use them where they differ from what is stated");
     visit("stereo", options.stereo, "stereo matcher: block (sum of absolute differences, the paper), sgm or opencv_sgbm");
-    visit("num_disparities_px", options.num_disparities_px, "disparity search range, a multiple of 16");
+    visit("num_disparities_px", options.num_disparities_px, "disparity search range in px of the images as reduced, a multiple of 16");
     visit("stereo_scales", options.stereo_scales, "image sizes at which sgm matches: 1 the full size, 2 also half of it (weak texture, haze)");
     visit("num_features", options.num_features, "features tracked per frame");
     visit("max_width_px", options.max_width_px, "images that are wider are reconstructed at a half, a third, ... of their size; 0: at full size");
@@ -29,7 +29,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("map_step", options.map_step, "motion of the image between fused frames, as a share of its width, or of the camera as if sideways; 0: only keyframes");
     visit("seed", options.seed, "seed of the random numbers of RANSAC");
     visit("adjust_whole_dive", options.adjust_whole_dive, "run bundle adjustment over the whole dive (window estimator)");
-    visit("refine_lenses", options.refine_lenses, "refine focal length, principal point and distortion in the bundle adjustment (window estimator)");
+    visit("refine_lenses", options.refine_lenses, "refine focal length, principal point, distortion and the readout time of a rolling shutter in the bundle adjustment (window estimator)");
     visit("marker_family", options.marker_family, "family of AprilTags to detect: tag36h11, tag25h9, tagStandard41h12; empty: from markers.json");
     visit("marker_size_m", options.marker_size_m, "printed size of the tags, m, as defined in docs/markers.md; 0: from markers.json");
     visit("correct_scale", options.correct_scale, "scale of the whole result: on (by the known distances between markers), off, or auto (where known distances, accelerometer or pressure measure it better than the cameras, or contradict them)");

@@ -34,7 +34,7 @@ struct ReconstructionOptions {
     std::int64_t seed = 1;    // of RANSAC
     // optimise
     bool adjust_whole_dive = true;  // bundle adjustment of the whole dive
-    bool refine_lenses = true;      // estimate focal length, principal point and distortion
+    bool refine_lenses = true;      // estimate focal length, principal point, distortion, shutter
     // markers: the tags override markers.json
     std::string marker_family;   // tag36h11 | tag25h9 | tagStandard41h12; empty: as the dive says
     double marker_size_m = 0.0;  // of all tags; 0: as the dive says

@@ -13,6 +13,7 @@ namespace divemesh::synthetic {
 // Expects the derivatives of a cost function to equal central differences of its residuals.
 inline void expect_true_jacobians(const ceres::CostFunction& cost,
                                   std::vector<std::vector<double>> blocks) {
+    ASSERT_EQ(blocks.size(), cost.parameter_block_sizes().size());
     const auto rows = static_cast<std::size_t>(cost.num_residuals());
     std::vector<double*> parameters;
     for (auto& block : blocks) parameters.push_back(block.data());

@@ -101,8 +101,10 @@ types::SolverOutcome CalibrationProblem::solve(const FreeUnknowns& free,
         if (i > 1) done.outcome.initial_cost = whole.initial_cost;
         done.outcome.num_iterations += whole.num_iterations;
         whole = std::move(done.outcome);
-        if (done.still || whole.failed()) return whole;
-        if (i == max_rounds) whole.last_step_sigmas = moved_sigmas(before);
+        if (whole.failed()) return whole;
+        // The sigmas are known after the last round only.
+        if (done.still || i == max_rounds) whole.last_step_sigmas = moved_sigmas(before);
+        if (done.still) return whole;
     }
     whole.termination = Termination::StoppedAtLimit;
     whole.message = "the calibration still moved in the last round";
@@ -145,6 +147,7 @@ CalibrationProblem::Round CalibrationProblem::round(const FreeUnknowns& free,
     ceres::Solve(solver, &problem, &summary);
     callback.rethrow();
     const bool still = std::abs(unknowns_.time_offset_s - before.time_offset_s) < kConverged_s &&
+                       std::abs(unknowns_.readout_time_s - before.readout_time_s) < kConverged_s &&
                        shift_px(unknowns_.lenses - before.lenses) < kConverged_px;
     types::SolverOutcome outcome = optimisation::outcome_of(summary);
     if ((still || last) && !outcome.failed() && !find_sigmas(problem, free)) {

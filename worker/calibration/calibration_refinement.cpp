@@ -65,6 +65,27 @@ bool exceeds(const types::RefinedCalibration& found, double sigmas) {
            std::max(kMinReadout_s, sigmas * found.readout_time_sigma_s);
 }
 
+// Returns whether a readout time is significant and is in `result`, with the lenses that fit it in
+// `problem`. Adds how the solve ended to `solves` if so; otherwise nothing is used of it.
+bool refine_readout_time(CalibrationProblem& problem,
+                         types::RefinedCalibration& result,
+                         std::vector<types::SolverOutcome>& solves,
+                         const base::ProgressCallback& progress,
+                         const Progress& at) {
+    problem.thin(kReadoutStride);
+    if (problem.solve({.readout_time = true}, progress, at).failed()) return false;
+    take_readout_time(problem, result);
+    if (!exceeds(result, kMayBeSignificant)) return false;
+    problem.thin(1);
+    const types::SolverOutcome outcome =
+        problem.solve({.lenses = true, .readout_time = true}, progress, at);
+    if (outcome.failed()) return false;
+    take_readout_time(problem, result);
+    result.readout_time_applied = exceeds(result, kSignificant);
+    if (result.readout_time_applied) solves.push_back(outcome);
+    return result.readout_time_applied;
+}
+
 // Moves the observations to where they would be if the pairs had been rectified with the changed
 // lenses.
 void apply_lenses(const types::Rig& rig,
@@ -113,18 +134,13 @@ CalibrationRefinement refine_calibration(const types::Track& track,
         if (solved({})) take_imu(problem, result);
     }
     if (!problem.knows_motion()) return refinement;
-    problem.thin(kReadoutStride);
-    if (!solved({.readout_time = true})) return refinement;
-    take_readout_time(problem, result);
-    if (!exceeds(result, kMayBeSignificant)) return refinement;
-    problem.thin(1);
-    if (!solved({.lenses = true, .readout_time = true})) return refinement;
-    take_readout_time(problem, result);
-    result.readout_time_applied = exceeds(result, kSignificant);
-    if (!result.readout_time_applied) return refinement;
+    if (!refine_readout_time(problem, result, refinement.solves, progress, at)) return refinement;
     take_lenses(problem, result);
     refinement.lens_covariance = problem.sigmas().lenses;
-    problem.hold_lenses(result.lenses_applied ? joined(result.lenses) : LensChanges::Zero());
+    if (!result.lenses_applied) {
+        problem.hold_lenses(LensChanges::Zero());
+        if (solved({.readout_time = true})) take_readout_time(problem, result);
+    }
     if (align && solved({})) take_imu(problem, result);
     return refinement;
 }

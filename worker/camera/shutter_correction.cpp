@@ -1,10 +1,12 @@
 #include "worker/camera/shutter_correction.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/camera/one_surface.hpp"
 
 namespace divemesh::camera {
@@ -33,12 +35,25 @@ ShutterCorrection::ShutterCorrection(const types::RectifiedRig& rig,
                                      std::map<int, CameraMotion> motions)
     : rig_(rig),
       shutter_(rig, left),
+      readout_time_s_(readout_time_s),
       motions_(std::move(motions)),
       late_s_(rig.height_px, rig.width_px, CV_32F) {
     for (int v = 0; v < rig.height_px; ++v)
         for (int u = 0; u < rig.width_px; ++u)
             late_s_.at<float>(v, u) =
                 static_cast<float>(readout_time_s * shutter_.row_share(Eigen::Vector2d(u, v)));
+}
+
+Eigen::Isometry3d ShutterCorrection::motion_until_row(int frame_index,
+                                                      const Eigen::Vector2d& seen_px) const {
+    Eigen::Isometry3d T_middle_row = Eigen::Isometry3d::Identity();
+    const auto motion = motions_.find(frame_index);
+    if (motion == motions_.end()) return T_middle_row;
+    const double late_s = readout_time_s_ * shutter_.row_share(seen_px);
+    T_middle_row.linear() =
+        base::rotation_from_vector(late_s * motion->second.angular_velocity_cam).toRotationMatrix();
+    T_middle_row.translation() = late_s * motion->second.velocity_cam;
+    return T_middle_row;
 }
 
 types::KeyframeImages ShutterCorrection::moved(int frame_index,
@@ -52,6 +67,11 @@ types::KeyframeImages ShutterCorrection::moved(int frame_index,
     result.depth.sigma_disparity_px = cv::Mat::zeros(disparity.size(), CV_32F);
     cv::Mat source_x(disparity.size(), CV_32F);
     cv::Mat source_y(disparity.size(), CV_32F);
+    const auto late_s = [&](float x, float y) {
+        const int column = std::clamp(static_cast<int>(std::lround(x)), 0, disparity.cols - 1);
+        const int row = std::clamp(static_cast<int>(std::lround(y)), 0, disparity.rows - 1);
+        return late_s_.at<float>(row, column);
+    };
     for (int v = 0; v < disparity.rows; ++v) {
         for (int u = 0; u < disparity.cols; ++u) {
             float& x = source_x.at<float>(v, u);
@@ -66,8 +86,7 @@ types::KeyframeImages ShutterCorrection::moved(int frame_index,
                 const Eigen::Vector3d p_cam =
                     rig_.point_cam(u, v, rig_.depth_m(static_cast<double>(used_px)));
                 const Eigen::Vector3f shift =
-                    late_s_.at<float>(v, u) *
-                    shutter_.flow_px_s(motion->second, p_cam).cast<float>();
+                    late_s(x, y) * shutter_.flow_px_s(motion->second, p_cam).cast<float>();
                 x = static_cast<float>(u) + shift.x();
                 y = static_cast<float>(v) + shift.y();
                 seen_px = nearest_disparity(disparity, x, y);

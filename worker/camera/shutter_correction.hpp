@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <map>
 #include <opencv2/core/mat.hpp>
 
@@ -8,8 +9,8 @@
 
 namespace divemesh::camera {
 
-// Whole keyframes as a camera would have seen them that reads all rows at the time of the middle
-// one. Thread-safe after construction.
+// What a camera would have seen that reads all rows at the time of the middle one. Thread-safe
+// after construction.
 class ShutterCorrection {
 public:
     // `motions`: of the camera, by index of the frame.
@@ -23,9 +24,14 @@ public:
     // are.
     types::KeyframeImages moved(int frame_index, const types::KeyframeImages& images) const;
 
+    // Returns how the camera moves from the time of the middle row to that of a pixel's row:
+    // T_middle_row. Identity for frames of unknown motion.
+    Eigen::Isometry3d motion_until_row(int frame_index, const Eigen::Vector2d& seen_px) const;
+
 private:
     types::RectifiedRig rig_;
     RollingShutter shutter_;
+    double readout_time_s_ = 0.0;
     std::map<int, CameraMotion> motions_;
     cv::Mat late_s_;  // CV_32F: when a pixel was read, s after the middle row
 };

@@ -125,9 +125,9 @@ public:
         else if (fit.outcome.failed() || fit.outcome.still_moving())
             std::snprintf(text,
                           sizeof text,
-                          "after %d rounds of ICP %s (%.1f standard deviations)",
-                          fit.outcome.num_iterations,
+                          "%s after %d rounds of ICP (%.1f standard deviations)",
                           fit.outcome.message.c_str(),
+                          fit.outcome.num_iterations,
                           fit.outcome.last_step_sigmas);
         return text;
     }
@@ -238,7 +238,7 @@ CoRegistration co_register(const types::Mesh& a,
         const auto fit = registrar.fit(guess);
         if (fit && registrar.holds(*fit)) return *fit;
         of_features =
-            "image features match, but where they do " +
+            "image features match, but there " +
             (fit ? registrar.reason_against(*fit) : "too few points of the surfaces meet");
     }
     progress.at(0.5);

@@ -51,7 +51,8 @@ void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluatio
     const KnownPath path{input.trajectory,
                          input.covariances,
                          input.scale_sigma,
-                         segments_of(input.trajectory, input.keyframes, input.breaks_ns)};
+                         segments_of(input.trajectory, input.keyframes, input.breaks_ns),
+                         input.readout_time_s};
     if (!has_truth) {
         evaluation.known_distances =
             measure_known_distances(input.known_distances, nullptr, input.rig, path);

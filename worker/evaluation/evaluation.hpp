@@ -27,6 +27,7 @@ struct EvaluationInput {
     const std::optional<types::Mesh>& reference;  // in the ground truth's world
     int num_threads = 0;
     double scale_sigma = types::kCalibrationSigma;  // of the final trajectory
+    double readout_time_s = 0.0;                    // of a rolling shutter
 };
 
 // The result compared with the ground truth that the dive contains; parts without ground truth are

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "worker/base/seconds.hpp"
 #include "worker/camera/projection.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 #include "worker/optimisation/covariance_between.hpp"
@@ -48,16 +49,22 @@ bool is_hidden(const Eigen::Vector3d& eye,
 std::vector<View> views_of(const std::vector<dive::Mark>& marks,
                            const types::Rig& rig,
                            const types::Trajectory& trajectory,
-                           int min_keyframes) {
+                           int min_keyframes,
+                           double readout_time_s) {
     std::vector<View> views;
     int num_keyframes = 0;
     for (const dive::Mark& mark : marks) {
-        const auto T_world_imu = pose_at(trajectory, mark.timestamp_ns);
+        const auto pose_at_row = [&](const types::Camera& camera, const Eigen::Vector2d& pixel) {
+            const double late_s = readout_time_s * (pixel.y() / camera.height_px - 0.5);
+            return pose_at(trajectory, mark.timestamp_ns + base::to_ns(late_s));
+        };
+        const auto T_world_imu = pose_at_row(rig.cam0, mark.pixel_left);
         if (!T_world_imu) continue;
         ++num_keyframes;
         views.push_back({rig.cam0, *T_world_imu * rig.T_imu_cam0, mark.pixel_left});
-        if (mark.pixel_right)
-            views.push_back({rig.cam1, *T_world_imu * rig.T_imu_cam1, *mark.pixel_right});
+        if (!mark.pixel_right) continue;
+        if (const auto right = pose_at_row(rig.cam1, *mark.pixel_right))
+            views.push_back({rig.cam1, *right * rig.T_imu_cam1, *mark.pixel_right});
     }
     if (num_keyframes < min_keyframes) views.clear();
     return views;
@@ -125,8 +132,8 @@ std::optional<Eigen::Vector3d> located(const std::vector<View>& views) {
         const Eigen::Vector3d step = at->H.ldlt().solve(at->gradient);
         if (!step.allFinite()) return std::nullopt;
         *point += step;
-        last_step_px =
-            std::sqrt(step.dot(at->H * step) / (2.0 * static_cast<double>(views.size())));
+        last_step_px = std::sqrt(std::max(0.0, step.dot(at->H * step)) /
+                                 (2.0 * static_cast<double>(views.size())));
         if (step.norm() < 1e-9) break;
     }
     return last_step_px > kMaxLastStep_px ? std::nullopt : point;
@@ -142,8 +149,10 @@ struct End {
 
 std::optional<End> end_of(const std::vector<dive::Mark>& marks,
                           const types::Rig& rig,
-                          const types::Trajectory& path) {
-    const std::vector<View> views = views_of(marks, rig, path, static_cast<int>(kMinKeyframes));
+                          const types::Trajectory& path,
+                          double readout_time_s) {
+    const std::vector<View> views =
+        views_of(marks, rig, path, static_cast<int>(kMinKeyframes), readout_time_s);
     const auto point = views.empty() ? std::nullopt : located(views);
     if (!point) return std::nullopt;
     End end{.p_world = *point};
@@ -289,8 +298,9 @@ std::vector<dive::Mark> mark_point(const Eigen::Vector3d& p_world, const Marking
 std::optional<Eigen::Vector3d> triangulate(const std::vector<dive::Mark>& marks,
                                            const types::Rig& rig,
                                            const types::Trajectory& trajectory,
-                                           int min_keyframes) {
-    const std::vector<View> views = views_of(marks, rig, trajectory, min_keyframes);
+                                           int min_keyframes,
+                                           double readout_time_s) {
+    const std::vector<View> views = views_of(marks, rig, trajectory, min_keyframes, readout_time_s);
     if (views.empty()) return std::nullopt;
     return located(views);
 }
@@ -302,6 +312,8 @@ KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistanc
     KnownDistanceErrors errors;
     for (const dive::KnownDistance& known : distances) {
         MarkedEnds marks;
+        // What the truth marks is where the middle row's pose sees it.
+        const double readout_time_s = known.is_marked() ? path.readout_time_s : 0.0;
         if (known.is_marked())
             marks = {known.marks_a, known.marks_b};
         else if (truth)
@@ -312,8 +324,8 @@ KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistanc
         measured.known_m = known.distance_m;
         measured.num_keyframes_a = static_cast<int>(marks.a.size());
         measured.num_keyframes_b = static_cast<int>(marks.b.size());
-        const auto a = end_of(marks.a, rig, path.trajectory);
-        const auto b = end_of(marks.b, rig, path.trajectory);
+        const auto a = end_of(marks.a, rig, path.trajectory, readout_time_s);
+        const auto b = end_of(marks.b, rig, path.trajectory, readout_time_s);
         if (a && b) measured.measured_m = (a->p_world - b->p_world).norm();
         if (a && b && !path.covariances.empty()) measured.sigma_m = sigma_of_length_m(*a, *b, path);
         errors.distances.push_back(measured);

@@ -45,6 +45,7 @@ struct KnownPath {
     const types::CovarianceTrack& covariances;      // of the trajectory; empty: unknown
     double scale_sigma = types::kCalibrationSigma;  // of the path
     std::vector<TrackingSegment> segments = {};     // of the trajectory; empty: it is one
+    double readout_time_s = 0.0;  // of a rolling shutter; the poses are those of the middle row
 };
 
 // Ground truth by which mark_point() finds the keyframes that show a point.
@@ -69,13 +70,15 @@ types::Trajectory with_mounting_of(const types::Trajectory& estimate,
 // inside the left image at the true pose, in range, on the reference mesh and not hidden by it.
 std::vector<dive::Mark> mark_point(const Eigen::Vector3d& p_world, const MarkingInput& input);
 
-// Triangulates a point: least squares over the rays of both cameras, then Gauss-Newton on the
-// reprojection error. Returns nullopt if fewer than `min_keyframes` of the marks have a pose, the
-// rays do not determine a point, or the iterations do not converge in front of the cameras.
+// Triangulates a point, each mark seen from where the camera was when its row was read: least
+// squares over the rays of both cameras, then Gauss-Newton on the reprojection error. Returns
+// nullopt if fewer than `min_keyframes` of the marks have a pose, the rays do not determine a
+// point, or the iterations do not converge in front of the cameras.
 std::optional<Eigen::Vector3d> triangulate(const std::vector<dive::Mark>& marks,
                                            const types::Rig& rig,
                                            const types::Trajectory& trajectory,
-                                           int min_keyframes = 4);
+                                           int min_keyframes = 4,
+                                           double readout_time_s = 0.0);
 
 // Measures each known distance as in photogrammetry: both ends are marked, triangulated with our
 // poses and subtracted. Both are measured in the segment of the path that has the most marks of

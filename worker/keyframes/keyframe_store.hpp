@@ -25,7 +25,8 @@ public:
     explicit KeyframeStore(std::filesystem::path folder, LeftInColor left_in_color = {});
     // Returns the same store; its read() maps images and depth as if rectified with other lenses.
     KeyframeStore rerectified(std::shared_ptr<const camera::KeyframeRerectifier> rerectifier) const;
-    // Returns the same store; its read() then maps images and depth to a global shutter.
+    // Returns the same store; its read() then maps images and depth to a global shutter. As it
+    // needs the depth, left_in_color() throws as read() does.
     KeyframeStore corrected(std::shared_ptr<const camera::ShutterCorrection> correction) const;
 
     void clear() const;  // removes all files

@@ -152,11 +152,22 @@ private:
         result.keyframe = view.keyframe;
         result.focal_px = world_.rig.focal_px;
         result.principal_px = {world_.rig.cx_px, world_.rig.cy_px};
-        result.T_cam_world = world_.keyframes[view.keyframe].T_world_cam.inverse();
+        result.T_cam_world = pose_at_row(view).inverse();
         if (view.is_right)
             result.T_cam_world.pretranslate(Eigen::Vector3d(-world_.rig.baseline_m, 0, 0));
         result.corners_px = view.corners_px;
         return result;
+    }
+
+    // Returns the left camera's pose when the row of the tag's centre was read.
+    Eigen::Isometry3d pose_at_row(const TagView& view) const {
+        const types::Keyframe& keyframe = world_.keyframes[view.keyframe];
+        if (!world_.shutter) return keyframe.T_world_cam;
+        Eigen::Vector2d centre_px = Eigen::Vector2d::Zero();
+        for (const Eigen::Vector2d& corner_px : view.corners_px)
+            centre_px += corner_px / static_cast<double>(dive::kNumTagCorners);
+        return keyframe.T_world_cam *
+               world_.shutter->motion_until_row(keyframe.frame_index, centre_px);
     }
 
     void add_distances(const std::vector<CornerView>& views, Marker& marker) const {

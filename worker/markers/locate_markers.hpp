@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "worker/camera/shutter_correction.hpp"
 #include "worker/markers/marker_metrics.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/pose_covariance.hpp"
@@ -24,8 +25,9 @@ struct TagView {
 struct MarkerWorld {
     const types::RectifiedRig& rig;
     const std::vector<types::Keyframe>& keyframes;
-    const types::Trajectory& trajectory;  // T_world_imu, final
-    types::CovarianceTrack covariances;   // of the same; empty: unknown
+    const types::Trajectory& trajectory;                 // T_world_imu, final
+    types::CovarianceTrack covariances;                  // of the same; empty: unknown
+    const camera::ShutterCorrection* shutter = nullptr;  // null: all rows are read at once
 };
 
 inline constexpr int kMinMarkerKeyframes = 3;

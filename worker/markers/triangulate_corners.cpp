@@ -58,7 +58,7 @@ std::optional<Step> gauss_newton_step(const std::vector<CornerView>& views,
     }
     const Eigen::Vector3d change_m = H.ldlt().solve(gradient);
     if (!change_m.allFinite()) return std::nullopt;
-    const double squares_px2 = change_m.dot(H * change_m);
+    const double squares_px2 = std::max(0.0, change_m.dot(H * change_m));
     return Step{change_m, std::sqrt(squares_px2 / (2.0 * static_cast<double>(views.size())))};
 }
 

@@ -56,22 +56,6 @@ Eigen::MatrixXd root_of(const CalibrationUncertainty& calibration,
     return root;
 }
 
-}  // namespace
-
-BodyState BodyState::at(const Eigen::Isometry3d& T_world_imu, const imu::ImuBias& bias) {
-    return {Eigen::Quaterniond(T_world_imu.linear()).normalized(),
-            T_world_imu.translation(),
-            Eigen::Vector3d::Zero(),
-            bias};
-}
-
-Eigen::Isometry3d BodyState::T_world_imu() const {
-    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
-    T.linear() = q_world_imu.normalized().toRotationMatrix();
-    T.translation() = p_world_imu;
-    return T;
-}
-
 // Records the positions before and after the last step that the solver took.
 class PositionRecorder : public ceres::IterationCallback {
 public:
@@ -96,6 +80,22 @@ private:
     std::vector<Eigen::Vector3d> before_m_;
     std::vector<Eigen::Vector3d> after_m_;
 };
+
+}  // namespace
+
+BodyState BodyState::at(const Eigen::Isometry3d& T_world_imu, const imu::ImuBias& bias) {
+    return {Eigen::Quaterniond(T_world_imu.linear()).normalized(),
+            T_world_imu.translation(),
+            Eigen::Vector3d::Zero(),
+            bias};
+}
+
+Eigen::Isometry3d BodyState::T_world_imu() const {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = q_world_imu.normalized().toRotationMatrix();
+    T.translation() = p_world_imu;
+    return T;
+}
 
 struct BundleAdjustment::Implementation {
     explicit Implementation(const types::RectifiedRig& rectified) : rig(rectified) {}

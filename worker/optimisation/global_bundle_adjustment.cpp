@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -62,9 +63,11 @@ struct Uncertainty {
     std::optional<double> last_step_sigmas;
 };
 
-// Returns the RMS over the axes of a move in its standard deviations.
+// Returns the RMS over the axes of a move in its standard deviations; infinite if these are not
+// determined.
 double in_sigmas(const Eigen::Vector3d& move_m, const Eigen::Matrix3d& covariance_m2) {
-    return std::sqrt(move_m.dot(covariance_m2.ldlt().solve(move_m)) / 3.0);
+    const double squared = move_m.dot(covariance_m2.ldlt().solve(move_m));
+    return squared >= 0.0 ? std::sqrt(squared / 3.0) : std::numeric_limits<double>::infinity();
 }
 
 // Returns how the state changes with time, by the IMU around it, or before or after it at an end of

@@ -13,11 +13,12 @@ namespace divemesh::pipeline {
 namespace {
 
 // Returns the world in which markers are located.
-markers::MarkerWorld world_of(const types::OptimisedTrack& optimised) {
-    return {optimised.rig,
-            optimised.keyframes,
-            optimised.trajectory,
-            covariances_without_scale(optimised)};
+markers::MarkerWorld world_of(const Reconstruction& made) {
+    return {made.optimised.rig,
+            made.optimised.keyframes,
+            made.optimised.trajectory,
+            covariances_without_scale(made.optimised),
+            made.shutter.get()};
 }
 
 std::vector<markers::TagView> find_tags(Reconstruction& made,
@@ -43,7 +44,7 @@ void correct_scale(const std::vector<markers::TagView>& views, Reconstruction& m
         scale_result(correction.scale.factor,
                      std::hypot(correction.scale.sigma, made.markers->systematic_scale_sigma),
                      made);
-        made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made.optimised));
+        made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made));
     }
     made.markers->correction = std::move(correction);
 }
@@ -82,7 +83,7 @@ void correct_scale_automatically(const std::vector<markers::TagView>& views, Rec
     scale_result(made.scale_correction->factor, made.scale_correction->sigma, made);
     made.optimised.findings.push_back(corrected_finding(*made.scale_correction));
     if (made.markers)
-        made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made.optimised));
+        made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made));
 }
 
 }  // namespace
@@ -95,7 +96,7 @@ void run_markers(Reconstruction& made, const base::ProgressCallback& progress) {
     std::vector<markers::TagView> views;
     if (made.marker_plan) {
         views = find_tags(made, progress);
-        made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made.optimised));
+        made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made));
     }
     if (made.options().correct_scale == "on") correct_scale(views, made);
     if (made.options().correct_scale == "auto") correct_scale_automatically(views, made);

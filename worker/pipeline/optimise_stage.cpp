@@ -23,7 +23,7 @@ std::shared_ptr<const camera::ShutterCorrection> shutter_correction(const Recons
         if (found[i]) motions[made.track.mapped[i].frame_index] = *found[i];
     return std::make_shared<camera::ShutterCorrection>(
         made.track.rig,
-        camera::rectified_lenses(made.recording.rig())[0],
+        camera::rectified_lenses(made.recording.rig())[0],  // refined ones lie as far, for rows
         made.optimised.calibration.readout_time_s,
         std::move(motions));
 }
@@ -68,8 +68,9 @@ void finish_optimise(Reconstruction& made) {
             made.keyframe_store.rerectified(std::make_shared<camera::KeyframeRerectifier>(
                 made.track.rig,
                 camera::Rerectifier(made.recording.rig(), made.track.rig, calibration.lenses)));
-    if (made.options().surface && calibration.readout_time_applied)
-        made.keyframe_store = made.keyframe_store.corrected(shutter_correction(made));
+    if (calibration.readout_time_applied) made.shutter = shutter_correction(made);
+    if (made.options().surface && made.shutter)
+        made.keyframe_store = made.keyframe_store.corrected(made.shutter);
     write_trajectories(made);
     // Frees memory that the later stages of an hour-long dive need.
     made.num_landmarks = std::ssize(made.track.landmarks);

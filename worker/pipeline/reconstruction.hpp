@@ -68,6 +68,7 @@ struct Reconstruction {
 
     // optimise; after markers: with the corrected scale
     types::OptimisedTrack optimised;
+    std::shared_ptr<const camera::ShutterCorrection> shutter;  // null: none is rolling
     std::int64_t num_landmarks = 0;
 
     // markers

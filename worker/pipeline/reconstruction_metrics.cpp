@@ -83,7 +83,8 @@ evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
          .known_distances = made.dive.known_distances(),
          .reference = made.dive.read_reference_mesh(),
          .num_threads = made.request.options.num_threads,
-         .scale_sigma = made.optimised.statistics.path.scale_sigma_or_typical()});
+         .scale_sigma = made.optimised.statistics.path.scale_sigma_or_typical(),
+         .readout_time_s = made.optimised.calibration.applied_readout_time_s()});
 }
 
 nlohmann::json metrics_of(const Reconstruction& made) {

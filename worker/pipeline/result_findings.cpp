@@ -69,17 +69,17 @@ std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expect
 
 std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibration) {
     if (!calibration.readout_time_applied) return std::nullopt;
-    return Finding{
-        Severity::Warning,
-        "rolling_shutter",
-        "",
-        "the cameras read the rows of an image one after the other, in " +
-            base::fixed(1e3 * std::abs(calibration.readout_time_s), 1) +
-            " ms (rolling shutter), so motion bends the images by " +
-            base::fixed(calibration.readout_shift_px, 1) +
-            " px (root mean square): path and surface are corrected for it as far as motion "
-            "and depth are known",
-        "swim slowly and steadily, or record with cameras that have a global shutter"};
+    return Finding{Severity::Warning,
+                   "rolling_shutter",
+                   "",
+                   "the cameras read the rows of an image one after the other, in " +
+                       base::fixed(1e3 * std::abs(calibration.readout_time_s), 1) +
+                       " ms (rolling shutter), so motion bends the images by " +
+                       base::fixed(calibration.readout_shift_px, 1) +
+                       " px (root mean square): path and, if made, surface are corrected for it as "
+                       "far as motion "
+                       "and depth are known",
+                   "swim slowly and steadily, or record with cameras that have a global shutter"};
 }
 
 std::optional<Finding> surface_finding(std::int64_t num_triangles) {

@@ -41,7 +41,8 @@ evaluation::KnownDistanceErrors measure_marked_distances(const Reconstruction& m
          .covariances = covariances,
          .scale_sigma = 0.0,
          .segments = evaluation::segments_of(
-             optimised.trajectory, optimised.keyframes, optimised.breaks_ns)});
+             optimised.trajectory, optimised.keyframes, optimised.breaks_ns),
+         .readout_time_s = optimised.calibration.applied_readout_time_s()});
 }
 
 void apply(const markers::WorldScale& scale, types::OptimisedTrack& optimised) {

@@ -9,7 +9,7 @@
 namespace divemesh::pipeline {
 namespace {
 
-constexpr int kMaxReduction = 4;   // of what was lost
+constexpr int kMaxReduction = 4;   // relative to the size at which vision lost the scene
 constexpr int kMinWidth_px = 320;  // of reduced images
 // Shares of the frames that vision followed.
 constexpr double kMaxUnreduced = 0.5;
@@ -41,7 +41,7 @@ private:
 }  // namespace
 
 int reduction_to_width(int width_px, int max_width_px) {
-    return max_width_px > 0 ? std::max(1, (width_px + max_width_px - 1) / max_width_px) : 1;
+    return max_width_px > 0 ? 1 + (width_px - 1) / max_width_px : 1;
 }
 
 int better_reduction(const types::Track& track,
@@ -84,7 +84,8 @@ Finding large_images_finding(int reduction) {
         "images_reduced",
         "mav0/cam0/data",
         "the images are wider than the option max_width_px, so the dive was reconstructed at 1/" +
-            std::to_string(reduction) + " of their size",
+            std::to_string(reduction) +
+            " of their size; markers are searched in the smaller images too",
         "to use every pixel, in several times the time, set max_width_px=0"};
 }
 

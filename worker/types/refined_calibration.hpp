@@ -28,6 +28,7 @@ struct RefinedCalibration {
     double readout_shift_px = 0.0;      // RMS over the features of the shift by it
     bool readout_time_applied = false;
 
+    double applied_readout_time_s() const { return readout_time_applied ? readout_time_s : 0.0; }
     ImuAlignment applied_alignment() const {
         ImuAlignment applied;
         if (time_offset_applied) applied.time_offset_s = imu.time_offset_s;

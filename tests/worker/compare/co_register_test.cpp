@@ -194,7 +194,7 @@ TEST(CoRegister, SaysThatFeaturesMatchWhereTheyDoAndTheGroundHasChanged) {
     const Eigen::Isometry3d T_b_a = pose(0.3, 0.0, {0.2, 0.1, 0.0});
     EXPECT_EQ(refusal(a, moved(same, T_b_a), kEnough), "");
     EXPECT_THAT(refusal(a, moved(changed, T_b_a), kEnough),
-                AllOf(HasSubstr("image features match, but where they do only"),
+                AllOf(HasSubstr("image features match, but there only"),
                       Not(HasSubstr("no image features"))));
 }
 

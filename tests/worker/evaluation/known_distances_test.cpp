@@ -6,6 +6,7 @@
 #include <random>
 
 #include "worker/camera/projection.hpp"
+#include "worker/evaluation/trajectory_pairs.hpp"
 
 namespace divemesh::evaluation {
 namespace {
@@ -137,6 +138,39 @@ TEST_F(KnownDistancesTest, EndsMarkedByHandNeedNoTruth) {
 
     marked.marks_a.resize(3);
     EXPECT_FALSE(measured_m().has_value());  // three frames are too few
+}
+
+TEST_F(KnownDistancesTest, MarksOfARollingShutterAreSeenFromWhereTheirRowWasRead) {
+    constexpr double kReadout_s = 0.03;
+    const auto marks_of = [&](const Eigen::Vector3d& p_world) {
+        std::vector<dive::Mark> marks;
+        for (const types::StampedPose& pose : truth_) {
+            Eigen::Vector2d pixel(320.0, 240.0);
+            for (int i = 0; i < 10; ++i) {
+                const double late_s = kReadout_s * (pixel.y() / rig_.cam0.height_px - 0.5);
+                const auto T_world_imu =
+                    pose_at(truth_, pose.timestamp_ns + std::llround(1e9 * late_s));
+                pixel =
+                    camera::project(rig_.cam0, (*T_world_imu * rig_.T_imu_cam0).inverse() * p_world)
+                        .value();
+            }
+            marks.push_back({pose.timestamp_ns, pixel, std::nullopt});
+        }
+        return marks;
+    };
+    const Eigen::Vector3d a(-0.1, 0.25, 0.0);
+    const Eigen::Vector3d b(0.1, -0.25, 0.0);
+    const std::vector<dive::KnownDistance> marked = {
+        {"bar", {}, {}, (a - b).norm(), marks_of(a), marks_of(b)}};
+    const auto error_m = [&](double readout_time_s) {
+        const KnownPath path{
+            .trajectory = truth_, .covariances = {}, .readout_time_s = readout_time_s};
+        return std::abs(
+            measure_known_distances(marked, nullptr, rig_, path).distances[0].measured_m.value() -
+            marked[0].distance_m);
+    };
+    EXPECT_GT(error_m(0.0), 1e-3);
+    EXPECT_LT(error_m(kReadout_s), 1e-5);
 }
 
 dive::KnownDistance KnownDistancesTest::marked_bar() const {

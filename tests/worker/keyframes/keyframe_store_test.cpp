@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
+#include <memory>
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
+#include "tests/synthetic/ideal_rig.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh::keyframes {
@@ -42,6 +45,29 @@ TEST(KeyframeStore, TheImageIsThatOfTheRecording) {
     store.write(7, slope());
     EXPECT_EQ(cv::norm(store.read(7).left_color, image_of(7), cv::NORM_INF), 0.0);
     EXPECT_EQ(cv::norm(store.left_in_color(9), image_of(9), cv::NORM_INF), 0.0);
+}
+
+TEST(KeyframeStore, CorrectedItReadsWhatAGlobalShutterSees) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path(), image_of);
+    store.write(7, slope());
+    store.write(8, slope());
+    const types::RectifiedRig rig = synthetic::ideal_rig(64, 48, 50.0);
+    const auto correction = std::make_shared<camera::ShutterCorrection>(
+        rig,
+        camera::rectified_lenses(synthetic::ideal_cameras(rig))[0],
+        0.05,
+        std::map<int, camera::CameraMotion>{{7, {{0.0, 0.0, 0.0}, {2.0, 0.0, 0.0}}}});
+    const KeyframeStore corrected = store.corrected(correction);
+    const auto difference = [&](int frame, const cv::Mat& expected) {
+        return cv::norm(corrected.read(frame).depth.disparity_px, expected, cv::NORM_INF);
+    };
+    EXPECT_EQ(difference(7, correction->moved(7, store.read(7)).depth.disparity_px), 0.0);
+    EXPECT_GT(difference(7, store.read(7).depth.disparity_px), 0.1);
+    EXPECT_EQ(difference(8, store.read(8).depth.disparity_px), 0.0);  // its motion is not known
+    EXPECT_EQ(cv::norm(corrected.left_in_color(7), corrected.read(7).left_color, cv::NORM_INF),
+              0.0);
+    EXPECT_THROW(corrected.left_in_color(9), Error);
 }
 
 TEST(KeyframeStore, UnknownDisparityStaysUnknown) {

@@ -1,7 +1,10 @@
 #include <cmath>
 #include <gmock/gmock.h>
+#include <map>
+#include <memory>
 #include <random>
 
+#include "tests/synthetic/ideal_rig.hpp"
 #include "tests/worker/markers/drawn_tags.hpp"
 #include "worker/markers/find_tags.hpp"
 #include "worker/markers/measure_bars.hpp"
@@ -83,15 +86,35 @@ public:
     }
 
     MarkerWorld world() const { return {rig_, keyframes_, trajectory_, covariances_}; }
+    // Has all later views come from cameras with a rolling shutter, which move alike at each
+    // keyframe.
+    void roll(double readout_time_s, const camera::CameraMotion& motion) {
+        std::map<int, camera::CameraMotion> motions;
+        for (const types::Keyframe& keyframe : keyframes_) motions[keyframe.frame_index] = motion;
+        shutter_ = std::make_unique<camera::ShutterCorrection>(
+            rig_,
+            camera::rectified_lenses(synthetic::ideal_cameras(rig_))[0],
+            readout_time_s,
+            std::move(motions));
+    }
+    const camera::ShutterCorrection* shutter() const { return shutter_.get(); }
     const std::vector<DrawnTag>& tags() const { return tags_; }
     std::vector<types::Keyframe>& keyframes() { return keyframes_; }
     types::RectifiedRig& rig() { return rig_; }
 
 private:
     Eigen::Vector2d seen(std::size_t k, bool is_right, const Eigen::Vector3d& p_world) const {
-        Eigen::Vector3d p_cam = keyframes_[k].T_world_cam.inverse() * p_world;
-        if (is_right) p_cam.x() -= rig_.baseline_m;
-        return rig_.pixel(p_cam);
+        Eigen::Isometry3d T_world_cam = keyframes_[k].T_world_cam;
+        Eigen::Vector2d pixel;
+        for (int i = 0; i < 10; ++i) {
+            Eigen::Vector3d p_cam = T_world_cam.inverse() * p_world;
+            if (is_right) p_cam.x() -= rig_.baseline_m;
+            pixel = rig_.pixel(p_cam);
+            if (!shutter_) break;
+            T_world_cam = keyframes_[k].T_world_cam *
+                          shutter_->motion_until_row(keyframes_[k].frame_index, pixel);
+        }
+        return pixel;
     }
 
     std::mt19937 random_;
@@ -100,6 +123,7 @@ private:
     std::vector<types::Keyframe> keyframes_;
     types::Trajectory trajectory_;
     types::CovarianceTrack covariances_;
+    std::unique_ptr<camera::ShutterCorrection> shutter_;
 };
 
 std::vector<std::string> codes(const MarkerMetrics& metrics) {
@@ -121,6 +145,23 @@ TEST(MeasureMarkersTest, TagsReadWithoutErrorLieWhereTheyAre) {
     for (const BarMetrics& bar : metrics.bars) EXPECT_NEAR(bar.error_m(), 0.0, 1e-7);
     EXPECT_NEAR(metrics.scale->factor, 1.0, 1e-6);
     EXPECT_TRUE(metrics.findings.empty());
+}
+
+TEST(MeasureMarkersTest, TagsOfARollingShutterAreSeenFromWhereTheirRowWasRead) {
+    MarkerSwim swim(6);
+    swim.roll(0.03, {{0.1, -0.2, 0.15}, {0.3, 0.2, 0.0}});
+    const auto views = swim.views(0.0);
+    const auto max_error_m = [&](const MarkerWorld& world) {
+        double error_m = 0.0;
+        for (const BarMetrics& bar : measure_markers(views, swim.plan(), world).bars)
+            error_m = std::max(error_m, std::abs(bar.error_m()));
+        return error_m;
+    };
+    MarkerWorld corrected = swim.world();
+    corrected.shutter = swim.shutter();
+    EXPECT_GT(max_error_m(swim.world()), 1e-3);
+    // Corners are not read at the time of the centre.
+    EXPECT_LT(max_error_m(corrected), 0.3 * max_error_m(swim.world()));
 }
 
 // Returns the share of bars whose true length lies in the stated interval, over several dives.

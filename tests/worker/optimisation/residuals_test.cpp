@@ -24,6 +24,7 @@ using CostFunction = std::unique_ptr<ceres::CostFunction>;
 std::vector<double> block(const Eigen::Quaterniond& q) { return {q.x(), q.y(), q.z(), q.w()}; }
 
 double max_residual(const ceres::CostFunction& cost, std::vector<std::vector<double>> blocks) {
+    EXPECT_EQ(blocks.size(), cost.parameter_block_sizes().size());
     std::vector<double*> parameters;
     for (auto& values : blocks) parameters.push_back(values.data());
     Eigen::VectorXd residuals(cost.num_residuals());
@@ -59,8 +60,11 @@ TEST(LensReprojectionTest, IsTheStereoReprojectionMovedByTheLensesAndHasTrueDeri
     reprojection.shift_px.setRandom();
     Eigen::Matrix<double, calibration::LensReprojection::kNumChanges, 1> change;
     change.setLinSpaced(-0.2, 0.3);
+    reprojection.by_readout_px_s = Eigen::Vector3d(40.0, -25.0, 3.0);
+    constexpr double kReadout_s = 0.02;
     reprojection.stereo = {rig,
-                           types::project_px(rig, p_cam) + reprojection.shift_px * change,
+                           types::project_px(rig, p_cam) + reprojection.shift_px * change +
+                               kReadout_s * reprojection.by_readout_px_s,
                            Eigen::Vector3d(0.3, 0.3, 0.2)};
     const CostFunction cost(calibration::LensReprojection::create(reprojection));
     const Eigen::Vector3d t = T_world_imu.translation();
@@ -68,7 +72,8 @@ TEST(LensReprojectionTest, IsTheStereoReprojectionMovedByTheLensesAndHasTrueDeri
         block(Eigen::Quaterniond(T_world_imu.linear())),
         {t.x(), t.y(), t.z()},
         {p_world.x(), p_world.y(), p_world.z()},
-        {change.data(), change.data() + change.size()}};
+        {change.data(), change.data() + change.size()},
+        {kReadout_s}};
 
     EXPECT_LT(max_residual(*cost, blocks), 1e-9);
     expect_true_jacobians(*cost, blocks);

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -10,6 +13,7 @@
 #include "worker/camera/projection.hpp"
 #include "worker/dive/dive.hpp"
 #include "worker/pipeline/reconstruct.hpp"
+#include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/pipeline/track_reduced.hpp"
 #include "worker/simulator/simulate.hpp"
 
@@ -133,6 +137,34 @@ TEST(WideImagesTest, AreReducedToTheLimit) {
     EXPECT_EQ(reduction_to_width(2801, 2800), 2);
     EXPECT_EQ(reduction_to_width(6000, 2800), 3);
     EXPECT_EQ(reduction_to_width(6000, 0), 1);
+}
+
+// A reconstruction that takes its stages from the cache reads images of the same size.
+TEST_F(SoftImagesTest, WideImagesAreReconstructedAtHalfTheirSize) {
+    const auto run = [&](const std::string& name) {
+        return reconstruct_dive({.dive = *folder_ / "dive",
+                                 .out = *folder_ / name,
+                                 .scratch = *folder_ / (name + "-scratch"),
+                                 .cache = *folder_ / "cache",
+                                 .cache_bytes = std::int64_t{1} << 30,
+                                 .options = make_options("standard", {{"max_width_px", 160}})},
+                                base::ignore_progress);
+    };
+    const auto content = [&](const std::string& name) {
+        std::ifstream stream(*folder_ / name / "mesh.ply", std::ios::binary);
+        return std::string{std::istreambuf_iterator<char>(stream), {}};
+    };
+    for (const std::string name : {"wide", "again"}) {
+        const nlohmann::json metrics = run(name);
+        EXPECT_EQ(metrics["frames"]["reduction"], 2);
+        EXPECT_EQ(metrics["speed"]["stages"][1]["reused"], name == "again");
+        EXPECT_TRUE(std::ranges::any_of(metrics["findings"], [](const nlohmann::json& finding) {
+            return finding["code"] == "images_reduced";
+        }));
+        EXPECT_LT(metrics["trajectory"]["final"]["ate_rmse_m"], 0.005);
+    }
+    EXPECT_GT(content("wide").size(), 10'000U);
+    EXPECT_EQ(content("wide"), content("again"));
 }
 
 TEST_F(SoftImagesTest, WhatIsLostInReducedImagesIsTrackedInSmallerOnes) {
