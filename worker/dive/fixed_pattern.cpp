@@ -1,6 +1,9 @@
 #include "worker/dive/fixed_pattern.hpp"
 
+#include <algorithm>
 #include <opencv2/imgproc.hpp>
+
+#include "worker/stats/median.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -10,6 +13,15 @@ constexpr double kStill = 4.0;           // grey values; standard deviation over
 constexpr double kEdge = 8.0;            // grey values per px
 constexpr double kMinEdgeShare = 0.003;  // of the image; moving scenes have up to 0.0009
 constexpr double kMaxStillShare = 0.5;   // of what is not black; the rig stands still
+// Shares of the edges, and of the cells of the image with edges. A shoal in front of a rig at rest
+// left 0.78 and 0.96; overlays and parts of a moving rig up to 0.31 and 0.44.
+constexpr double kMinStayingEdges = 0.55;
+constexpr double kMinStayingCells = 0.65;
+constexpr int kSmallWidth_px = 160;
+constexpr float kMinTimeSeen = 0.6F;      // share of the images in which an edge stays
+constexpr double kNearMedian = 8.0;       // grey values
+constexpr float kMinEdgesOfCell = 0.02F;  // share of its pixels
+const cv::Size kCells(8, 6);
 constexpr int kReach_px = 25;            // letters that change stand this near to fixed edges
 constexpr double kMaxBlack = 16.0;       // grey value of the surroundings of a round image
 constexpr int kMinSurroundings_px = 15;  // width; narrower ones are shadows and letters
@@ -39,14 +51,35 @@ cv::Mat black_surroundings(const cv::Mat& mean, const cv::Mat& is_still) {
     return surroundings;
 }
 
-cv::Mat slope_of(const cv::Mat& mean) {
+cv::Mat slope_of(const cv::Mat& image) {
     cv::Mat x;
     cv::Mat y;
-    cv::Sobel(mean, x, CV_32F, 1, 0, 3, 0.125);
-    cv::Sobel(mean, y, CV_32F, 0, 1, 3, 0.125);
+    cv::Sobel(image, x, CV_32F, 1, 0, 3, 0.125);
+    cv::Sobel(image, y, CV_32F, 0, 1, 3, 0.125);
     cv::Mat slope;
     cv::magnitude(x, y, slope);
     return slope;
+}
+
+// Returns 1 where a mask is 255, CV_32F.
+cv::Mat share_of(const cv::Mat& mask) {
+    cv::Mat share;
+    mask.convertTo(share, CV_32F, 1.0 / 255.0);
+    return share;
+}
+
+// Returns the median of each pixel over images of one size, CV_32F.
+cv::Mat median_of(const std::vector<cv::Mat>& images) {
+    cv::Mat median(images.front().size(), CV_32F);
+    std::vector<float> values(images.size());
+    for (int v = 0; v < median.rows; ++v)
+        for (int u = 0; u < median.cols; ++u) {
+            std::ranges::transform(images, values.begin(), [&](const cv::Mat& image) {
+                return image.at<float>(v, u);
+            });
+            median.at<float>(v, u) = stats::upper_median(values);
+        }
+    return median;
 }
 
 }  // namespace
@@ -58,8 +91,32 @@ void FixedPattern::add(const cv::Mat& image) {
         sum_ = cv::Mat::zeros(image.size(), CV_32F);
         sum_of_squares_ = cv::Mat::zeros(image.size(), CV_32F);
     }
+    const double reduction = std::min(1.0, static_cast<double>(kSmallWidth_px) / image.cols);
+    cv::resize(values, small_.emplace_back(), {}, reduction, reduction, cv::INTER_AREA);
     sum_ += values;
     sum_of_squares_ += values.mul(values);
+}
+
+bool FixedPattern::most_edges_stay() const {
+    const cv::Mat median = median_of(small_);
+    cv::Mat time_near = cv::Mat::zeros(median.size(), CV_32F);  // share of the images
+    cv::Mat edges = cv::Mat::zeros(median.size(), CV_32F);
+    const double per_image = 1.0 / static_cast<double>(small_.size());
+    for (const cv::Mat& image : small_) {
+        cv::Mat difference;
+        cv::absdiff(image, median, difference);
+        time_near += share_of(difference < kNearMedian) * per_image;
+        edges += share_of(slope_of(image) > kEdge) * per_image;
+    }
+    const cv::Mat staying = share_of((slope_of(median) > kEdge) & (time_near >= kMinTimeSeen));
+    cv::Mat of_cells;
+    cv::Mat staying_of_cells;
+    cv::resize(edges, of_cells, kCells, 0.0, 0.0, cv::INTER_AREA);
+    cv::resize(staying, staying_of_cells, kCells, 0.0, 0.0, cv::INTER_AREA);
+    const cv::Mat have_edges = of_cells > kMinEdgesOfCell;
+    const cv::Mat stay = have_edges & (staying_of_cells > kMinStayingEdges * of_cells);
+    return cv::sum(staying)[0] > kMinStayingEdges * cv::sum(edges)[0] &&
+           cv::countNonZero(stay) > kMinStayingCells * cv::countNonZero(have_edges);
 }
 
 cv::Mat FixedPattern::Masks::all() const {
@@ -76,6 +133,7 @@ FixedPattern::Masks FixedPattern::masks() const {
     const cv::Mat is_inside = ~dilated(surroundings, kRim_px);
     if (cv::countNonZero(is_still & is_inside) > kMaxStillShare * cv::countNonZero(is_inside))
         return {};
+    if (most_edges_stay()) return {};
     const cv::Mat is_fixed = is_still & (slope_of(mean) > kEdge);
     // Between black and the scene; letters on black have black on both sides.
     const cv::Mat is_border =

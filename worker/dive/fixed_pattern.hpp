@@ -1,6 +1,7 @@
 #pragma once
 
 #include <opencv2/core/mat.hpp>
+#include <vector>
 
 namespace divemesh::dive {
 
@@ -21,12 +22,16 @@ public:
 
     void add(const cv::Mat& image);  // 8 bit grey, all of one size
 
-    // Returns empty masks if there are too few images, or if most of the scene stands still too.
+    // Returns empty masks if there are too few images, or if the rig stands still: whatever passes
+    // in front of it, such as a shoal, most edges all over the image stay.
     Masks masks() const;
 
 private:
+    bool most_edges_stay() const;
+
     cv::Mat sum_;
     cv::Mat sum_of_squares_;
+    std::vector<cv::Mat> small_;  // CV_32F, each image reduced
     int num_images_ = 0;
 };
 

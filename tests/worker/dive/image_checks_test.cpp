@@ -192,6 +192,25 @@ TEST(ImageChecksTest, TextThatTheCameraBurnsInIsMasked) {
     EXPECT_TRUE(still.masks().all().empty());
 }
 
+// Whatever passes in front of a rig at rest, what stays is the scene.
+TEST(ImageChecksTest, AShoalInFrontOfARigAtRestMakesTheSceneNoPattern) {
+    FixedPattern pattern;
+    for (int frame = 0; frame < kNumFrames; ++frame) {
+        cv::Mat image = scene(0).clone();
+        for (int fish = 0; fish < 80; ++fish)
+            cv::ellipse(image,
+                        {(97 * fish + 60 * frame) % 640, (53 * fish) % 480},
+                        {24, 8},
+                        0.0,
+                        0.0,
+                        360.0,
+                        cv::Scalar(fish % 2 == 0 ? 230 : 30),
+                        -1);
+        pattern.add(image);
+    }
+    EXPECT_TRUE(pattern.masks().all().empty());
+}
+
 // A small part of the image shows the scene; nine tenths are black and never change.
 TEST(ImageChecksTest, TheBorderOfAnImageOnBlackIsMaskedAndIsNoOverlay) {
     const cv::Rect picture(240, 160, 200, 150);
