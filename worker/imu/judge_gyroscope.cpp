@@ -254,7 +254,7 @@ std::optional<Fit> far_fit(const GyroscopePath& path, const std::vector<Rotation
     const Eigen::Matrix3d as_mounted = Eigen::Matrix3d::Identity();
     const auto coarse = best_fit(path, spans, {0.0, kMaxOffset_s, kStep_s}, as_mounted);
     if (!coarse) return std::nullopt;
-    const auto fine = best_fit(path, spans, {coarse->offset_s, kStep_s, kFineStep_s}, as_mounted);
+    auto fine = best_fit(path, spans, {coarse->offset_s, kStep_s, kFineStep_s}, as_mounted);
     if (!fine || std::abs(fine->offset_s) > kMaxOffset_s + kStep_s - 0.5 * kFineStep_s)
         return std::nullopt;
     return fine;

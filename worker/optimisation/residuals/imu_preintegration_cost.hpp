@@ -28,6 +28,7 @@ public:
               imu::PreintegratedImu::Covariance::Identity())) {}
 
     template <typename T>
+    // Ceres passes each block by itself. NOLINTNEXTLINE(readability-function-size)
     bool operator()(const T* const q_i,
                     const T* const p_i,
                     const T* const v_i,
