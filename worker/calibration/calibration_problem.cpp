@@ -1,6 +1,7 @@
 #include "worker/calibration/calibration_problem.hpp"
 
 #include <algorithm>
+#include <ceres/iteration_callback.h>
 #include <ceres/normal_prior.h>
 #include <ceres/solver.h>
 #include <cmath>
@@ -55,6 +56,26 @@ Eigen::Vector3d rate_at(const std::vector<types::ImuSample>& samples, std::int64
     return imu::interpolate(*(after - 1), *after, time_ns).angular_velocity_imu;
 }
 
+// Records the unknowns before the last step that the solver took.
+class UnknownsRecorder : public ceres::IterationCallback {
+public:
+    explicit UnknownsRecorder(const CalibrationUnknowns& now)
+        : now_(now), before_(now), after_(now) {}
+
+    ceres::CallbackReturnType operator()(const ceres::IterationSummary& iteration) override {
+        if (iteration.iteration == 0 || !iteration.step_is_successful)
+            return ceres::SOLVER_CONTINUE;
+        before_ = std::exchange(after_, now_);
+        return ceres::SOLVER_CONTINUE;
+    }
+    const CalibrationUnknowns& before_last_step() const { return before_; }
+
+private:
+    const CalibrationUnknowns& now_;
+    CalibrationUnknowns before_;
+    CalibrationUnknowns after_;
+};
+
 }  // namespace
 
 std::array<types::LensChange, 2> split(const LensChanges& changes) {
@@ -103,8 +124,11 @@ types::SolverOutcome CalibrationProblem::solve(const FreeUnknowns& free,
         whole = std::move(done.outcome);
         if (whole.failed()) return whole;
         // The sigmas are known after the last round only.
-        if (done.still || i == max_rounds) whole.last_step_sigmas = moved_sigmas(before);
-        if (done.still) return whole;
+        if (done.still) {
+            whole.last_step_sigmas = moved_sigmas(done.before_last_step);
+            return whole;
+        }
+        if (i == max_rounds) whole.last_step_sigmas = moved_sigmas(before);
     }
     whole.termination = Termination::StoppedAtLimit;
     whole.message = "the calibration still moved in the last round";
@@ -142,7 +166,9 @@ CalibrationProblem::Round CalibrationProblem::round(const FreeUnknowns& free,
     solver.logging_type = ceres::SILENT;
     solver.num_threads = 1;
     optimisation::SolverProgress callback(progress, at);
-    solver.callbacks.push_back(&callback);
+    UnknownsRecorder recorder(unknowns_);
+    solver.callbacks = {&callback, &recorder};
+    solver.update_state_every_iteration = true;
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
     callback.rethrow();
@@ -154,7 +180,7 @@ CalibrationProblem::Round CalibrationProblem::round(const FreeUnknowns& free,
         outcome.termination = types::SolverOutcome::Termination::Failed;
         outcome.message = "the measurements do not determine all unknowns";
     }
-    return {outcome, still};
+    return {outcome, still, recorder.before_last_step()};
 }
 
 std::array<camera::RectifiedLens, 2> CalibrationProblem::lenses() const {

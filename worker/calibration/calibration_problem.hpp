@@ -86,6 +86,7 @@ private:
     struct Round {
         types::SolverOutcome outcome;
         bool still = false;  // the unknowns changed too little for another round to be needed
+        CalibrationUnknowns before_last_step;
     };
     // Does one round. It finds the sigmas if `last` is true or the unknowns are still.
     Round round(const FreeUnknowns& free,
