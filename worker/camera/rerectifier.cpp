@@ -4,7 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
-#include "worker/camera/one_surface.hpp"
+#include "worker/camera/disparity_at.hpp"
 
 namespace divemesh::camera {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "worker/base/rotation_vector.hpp"
-#include "worker/camera/one_surface.hpp"
+#include "worker/camera/disparity_at.hpp"
 
 namespace divemesh::camera {
 namespace {

@@ -59,8 +59,7 @@ struct Uncertainty {
     types::CovarianceTrack covariances;
     types::CovarianceTrack drift;  // with the calibration taken as exact
     types::PathUncertainty path;
-    // Of the keyframe that the last step moved most, RMS over the axes; nullopt: not known.
-    std::optional<double> last_step_sigmas;
+    std::optional<double> last_step_sigmas;  // max over keyframes; nullopt: not known
 };
 
 // Returns the RMS over the axes of a move in its standard deviations; infinite if these are not

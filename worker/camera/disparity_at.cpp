@@ -1,4 +1,4 @@
-#include "worker/camera/one_surface.hpp"
+#include "worker/camera/disparity_at.hpp"
 
 #include <algorithm>
 
