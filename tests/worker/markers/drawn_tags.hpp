@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <random>
+#include <vector>
 
 #include "worker/dive/marker_plan.hpp"
 #include "worker/markers/tag_layout.hpp"
@@ -46,6 +47,22 @@ struct Spoiling {
     unsigned seed = 1;
 };
 
+// Returns the pixels that can see a square of this half side, centred on the marker in its own
+// plane.
+inline cv::Rect pixels_of_board(double half_m,
+                                const Eigen::Isometry3d& T_cam_marker,
+                                const types::RectifiedRig& rig) {
+    std::vector<cv::Point2f> corners;
+    for (const double x : {-half_m, half_m})
+        for (const double y : {-half_m, half_m}) {
+            const Eigen::Vector2d at = rig.pixel(T_cam_marker * Eigen::Vector3d(x, y, 0.0));
+            corners.emplace_back(static_cast<float>(at.x()), static_cast<float>(at.y()));
+        }
+    const cv::Rect around = cv::boundingRect(corners);
+    return (around + cv::Size(2, 2) - cv::Point(1, 1)) &
+           cv::Rect(0, 0, rig.width_px, rig.height_px);
+}
+
 // Returns an ideal camera's image of the tags on mottled ground, by 6 x 6 rays per pixel, degraded
 // by `spoiling`.
 inline cv::Mat draw(const std::vector<DrawnTag>& tags,
@@ -65,8 +82,9 @@ inline cv::Mat draw(const std::vector<DrawnTag>& tags,
         const double half_cells = 0.5 * layout.total_cells + 1.0;
         const Eigen::Isometry3d T_marker_cam = tag.T_world_marker.inverse() * T_world_cam;
         const Eigen::Vector3d eye = T_marker_cam.translation();
-        for (int v = 0; v < image.rows; ++v)
-            for (int u = 0; u < image.cols; ++u) {
+        const cv::Rect board = pixels_of_board(half_cells * cell_m, T_marker_cam.inverse(), rig);
+        for (int v = board.y; v < board.br().y; ++v)
+            for (int u = board.x; u < board.br().x; ++u) {
                 double sum = 0.0;
                 int num = 0;
                 for (int i = 0; i < kSub * kSub; ++i) {

@@ -2,19 +2,16 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
 #include "tests/synthetic/altered_recording.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/worker/whole_dives/short_tank_dive.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/calibration/stereo_alignment.hpp"
 #include "worker/camera/projection.hpp"
-#include "worker/dive/dive.hpp"
 #include "worker/pipeline/aligned_recording.hpp"
 #include "worker/pipeline/alignment_findings.hpp"
-#include "worker/simulator/simulate.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -23,23 +20,10 @@ using Outcome = types::RigAlignment::Outcome;
 
 constexpr double kDeg = std::numbers::pi / 180.0;
 
-// A short rendered dive, read with a calibration in which the right camera is turned.
-class AlignCamerasTest : public testing::Test {
+// The dive is read with a calibration in which the right camera is turned.
+class AlignCamerasTest : public ShortTankDive {
 protected:
-    static void SetUpTestSuite() {
-        folder_ = std::make_unique<TemporaryFolder>();
-        simulator::simulate({.scene = simulator::SceneKind::Tank,
-                             .out = *folder_ / "dive",
-                             .length_m = 0.4,
-                             .rate_hz = 8.0,
-                             .width_px = 320,
-                             .height_px = 240});
-        dive_ = dive::Dive::open(*folder_ / "dive", *folder_ / "scratch");
-    }
-    static void TearDownTestSuite() {
-        dive_.reset();
-        folder_.reset();
-    }
+    static void SetUpTestSuite() { render(0.4); }
     types::RigAlignment align(const Eigen::Vector3d& degrees) {
         AlignedRecording recording(*dive_);
         types::Rig turned = dive_->rig();
@@ -55,8 +39,6 @@ protected:
         return found;
     }
 
-    static inline std::unique_ptr<TemporaryFolder> folder_;
-    static inline std::unique_ptr<dive::Dive> dive_;
     Eigen::Vector3d error_ = Eigen::Vector3d::Zero();  // degrees, of the aligned right camera
 };
 

@@ -54,7 +54,7 @@ protected:
         num_tracked_ = track.statistics.num_frames_tracked;
         return pipeline::optimise(track, blanked, options, store, {}, base::ignore_progress);
     }
-    std::vector<evaluation::TrackingSegment> segments(const types::OptimisedTrack& track) const {
+    std::vector<types::TrackingSegment> segments(const types::OptimisedTrack& track) const {
         return evaluation::segments_of(track.trajectory, track.keyframes, track.breaks_ns);
     }
     std::size_t num_segments(const types::OptimisedTrack& track) const {

@@ -53,10 +53,13 @@ protected:
     }
     static void TearDownTestSuite() { folder_.reset(); }
 
+    // Tracks a dive once for all options that change only what follows.
     static nlohmann::json reconstruct(const std::string& name, const nlohmann::json& options) {
         return pipeline::reconstruct_dive({.dive = *folder_ / "dive",
                                            .out = *folder_ / name,
                                            .scratch = *folder_ / (name + "_scratch"),
+                                           .cache = *folder_ / "cache",
+                                           .cache_bytes = 1'000'000'000,
                                            .resumable = false,
                                            .options = make_options("standard", options)},
                                           base::ignore_progress);
@@ -228,9 +231,9 @@ TEST_F(MarkedDiveTest, AllSegmentsOfADiveAreScaledByOneFactor) {
     nlohmann::json options = {
         {"surface", false}, {"use_imu", false}, {"use_ahrs", false}, {"close_loops", false}};
     options["correct_scale"] = "off";
-    const auto stated = reconstruct("pieces_as_stated", options);
+    const auto stated = reconstruct("segments_as_stated", options);
     options["correct_scale"] = "on";
-    const auto corrected = reconstruct("pieces_corrected", options);
+    const auto corrected = reconstruct("segments_corrected", options);
     fs::remove_all(dive);
     fs::rename(*folder_ / "clear", dive);
 
@@ -238,9 +241,9 @@ TEST_F(MarkedDiveTest, AllSegmentsOfADiveAreScaledByOneFactor) {
     ASSERT_TRUE(corrected["markers"]["scale_correction"]["applied"]);
     const double factor = corrected["markers"]["scale_correction"]["factor"];
     const types::Trajectory before =
-        io::ReconstructionFolder(*folder_ / "pieces_as_stated").trajectory();
+        io::ReconstructionFolder(*folder_ / "segments_as_stated").trajectory();
     const types::Trajectory after =
-        io::ReconstructionFolder(*folder_ / "pieces_corrected").trajectory();
+        io::ReconstructionFolder(*folder_ / "segments_corrected").trajectory();
     const auto ratio = [&](std::size_t first, std::size_t last) {
         return length_m(after, first, last) / length_m(before, first, last);
     };

@@ -9,13 +9,11 @@
 
 #include "tests/synthetic/altered_recording.hpp"
 #include "tests/synthetic/pose_near.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/worker/whole_dives/short_tank_dive.hpp"
 #include "worker/camera/projection.hpp"
-#include "worker/dive/dive.hpp"
 #include "worker/pipeline/reconstruct.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/pipeline/track_reduced.hpp"
-#include "worker/simulator/simulate.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -59,22 +57,9 @@ private:
     types::Rig rig_;
 };
 
-class SoftImagesTest : public testing::Test {
+class SoftImagesTest : public ShortTankDive {
 protected:
-    static void SetUpTestSuite() {
-        folder_ = std::make_unique<TemporaryFolder>();
-        simulator::simulate({.scene = simulator::SceneKind::Tank,
-                             .out = *folder_ / "dive",
-                             .length_m = 0.3,
-                             .rate_hz = 8.0,
-                             .width_px = 320,
-                             .height_px = 240});
-        dive_ = dive::Dive::open(*folder_ / "dive", *folder_ / "scratch");
-    }
-    static void TearDownTestSuite() {
-        dive_.reset();
-        folder_.reset();
-    }
+    static void SetUpTestSuite() { render(0.3); }
     SoftImagesTest() { options_.surface = false; }
     types::Track tracked(types::Recording& recording) const {
         recording.rewind();
@@ -91,8 +76,6 @@ protected:
         return static_cast<std::size_t>(types::num_by_vision(track));
     }
 
-    static inline std::unique_ptr<TemporaryFolder> folder_;
-    static inline std::unique_ptr<dive::Dive> dive_;
     ReconstructionOptions options_;
 };
 
