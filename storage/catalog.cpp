@@ -182,15 +182,15 @@ Catalog::Catalog(const std::string& url) : implementation_(new Implementation(ur
 Catalog::Catalog(std::shared_ptr<Implementation> implementation,
                  bool may_wait,
                  std::function<void()> check,
-                 Work note)
+                 Work audit)
     : implementation_(std::move(implementation)),
       may_wait_(may_wait),
       check_(std::move(check)),
-      note_(std::move(note)) {}
+      audit_(std::move(audit)) {}
 
 Catalog::~Catalog() = default;
 
-Catalog Catalog::read_nonblocking() const { return {implementation_, false, check_, note_}; }
+Catalog Catalog::read_nonblocking() const { return {implementation_, false, check_, audit_}; }
 
 void Catalog::reserve(std::size_t num_connections) {
     Pool& pool = implementation_->pool;
@@ -199,12 +199,12 @@ void Catalog::reserve(std::size_t num_connections) {
     for (auto& session : taken) pool.give_back(std::move(session));
 }
 
-Catalog Catalog::with_note(Work note) const {
-    return {implementation_, may_wait_, check_, std::move(note)};
+Catalog Catalog::with_audit(Work audit) const {
+    return {implementation_, may_wait_, check_, std::move(audit)};
 }
 
 Catalog Catalog::with_check(std::function<void()> check) const {
-    return {implementation_, may_wait_, std::move(check), note_};
+    return {implementation_, may_wait_, std::move(check), audit_};
 }
 
 void Catalog::transaction(const Work& work) {
@@ -217,7 +217,7 @@ void Catalog::transaction(const Work& work) {
     implementation_->run(true, begin, [&](soci::session& session) {
         if (check_) check_();
         work(session);
-        if (note_) note_(session);
+        if (audit_) audit_(session);
     });
 }
 

@@ -37,8 +37,8 @@ public:
     // reads, so that read_nonblocking() finds an idle one.
     void reserve(std::size_t num_connections);
     bool may_wait() const { return may_wait_; }
-    // Returns the same catalog for changes with a note: `note` runs last in every transaction.
-    Catalog with_note(Work note) const;
+    // Returns the same catalog for audited changes: `audit` runs last in every transaction.
+    Catalog with_audit(Work audit) const;
     // Returns the same catalog for conditional changes: `check` runs first in every transaction and
     // may throw. No other writer runs then, so it may read by the catalog itself.
     Catalog with_check(std::function<void()> check) const;
@@ -64,12 +64,12 @@ private:
     Catalog(std::shared_ptr<Implementation> implementation,
             bool may_wait,
             std::function<void()> check,
-            Work note);
+            Work audit);
 
     std::shared_ptr<Implementation> implementation_;
     bool may_wait_ = true;
     std::function<void()> check_;  // may be empty
-    Work note_;                    // may be empty
+    Work audit_;                   // may be empty
 };
 
 }  // namespace divemesh::storage

@@ -130,13 +130,13 @@ bool DiveRemoval::forget(const std::string& id) {
         const Dive dive = read_dive(session, id);
         if (!jobs_of(session, id, "'running'").empty()) return;
         const std::string jobs = "(SELECT id FROM jobs WHERE dive_id = :id)";
-        const std::string sets = "(SELECT number FROM figure_sets WHERE dive_id = :id)";
-        const std::string names = "(SELECT number FROM figure_names)";  // lets the index be used
+        const std::string sets = "(SELECT number FROM metric_sets WHERE dive_id = :id)";
+        const std::string names = "(SELECT number FROM metric_names)";  // lets the index be used
         const std::string statements[] = {
             "DELETE FROM artifacts WHERE job_id IN " + jobs,
             "DELETE FROM attempts WHERE job_id IN " + jobs,
-            "DELETE FROM figures WHERE set_number IN " + sets + " AND figure IN " + names,
-            "DELETE FROM figure_sets WHERE dive_id = :id",
+            "DELETE FROM metric_values WHERE set_number IN " + sets + " AND metric IN " + names,
+            "DELETE FROM metric_sets WHERE dive_id = :id",
             "DELETE FROM truth_files WHERE dive_id = :id",
             "DELETE FROM job_parents WHERE job_id IN " + jobs + " OR parent_id IN " + jobs,
             "DELETE FROM jobs WHERE dive_id = :id",

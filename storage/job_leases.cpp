@@ -254,7 +254,7 @@ Renewal JobStore::renew(const Lease& lease, std::chrono::milliseconds duration) 
     return renewal;
 }
 
-Renewal JobStore::look(const Lease& lease) {
+Renewal JobStore::check_lease(const Lease& lease) {
     Renewal renewal;
     catalog_.read([&](soci::session& session) {
         const auto job = find_leased_job(session, lease);

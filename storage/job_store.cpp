@@ -31,16 +31,6 @@ struct ArtifactRow {
     Artifact value() const { return artifact; }
 };
 
-struct StateCountRow {
-    std::string state;
-    std::int64_t count = 0;
-
-    void define(soci::statement& statement) { define_columns(statement, state, count); }
-    std::pair<JobState, std::int64_t> value() const {
-        return {job_state_from_string(state), count};
-    }
-};
-
 void check(const NewJob& job) {
     if (job.kind == JobKind::Intake)
         throw Error(ErrorCode::InvalidArgument, "an intake job is created only with its dive");
@@ -215,8 +205,10 @@ std::string JobStore::log(const std::string& job_id, int attempt) {
 std::vector<std::pair<JobState, std::int64_t>> JobStore::count_by_state() {
     std::vector<std::pair<JobState, std::int64_t>> counts;
     catalog_.read([&](soci::session& session) {
-        counts = select_all<StateCountRow>(
-            session, "SELECT state, COUNT(*) FROM jobs GROUP BY state ORDER BY state");
+        counts.clear();
+        for (const auto& [state, count] : select_all<CountRow>(
+                 session, "SELECT state, COUNT(*) FROM jobs GROUP BY state ORDER BY state"))
+            counts.emplace_back(job_state_from_string(state), count);
     });
     return counts;
 }

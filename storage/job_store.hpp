@@ -126,7 +126,7 @@ public:
     // Returns what a report or a comparison reads besides its dive. Throws Error{Gone} if some of
     // it was deleted.
     JobInputs inputs(const Job& job);
-    Renewal look(const Lease& lease);  // the same without renewing: only reads
+    Renewal check_lease(const Lease& lease);  // the same without renewing: only reads
 
     // Each write below takes the lease. It returns false, and changes nothing, if the lease is
     // stale.

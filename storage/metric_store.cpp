@@ -71,7 +71,7 @@ std::int64_t insert_set(soci::session& session, const Job& job, const Measuremen
     const std::int64_t now_ms = Catalog::now_ms(session);
     const auto number = select_one<NumberRow>(
         session,
-        "INSERT INTO figure_sets (job_id, measured_job_id, project, dive_id, kind, site, rig,"
+        "INSERT INTO metric_sets (job_id, measured_job_id, project, dive_id, kind, site, rig,"
         " preset, version, calibration_sha256, time_ms)"
         " VALUES (:job, :measured, :project, :dive, :kind, :site, :rig, :preset, :version,"
         " :calibration, :now) RETURNING number",
@@ -93,7 +93,7 @@ std::int64_t number_of_name(soci::session& session, const MeasuredMetric& metric
     const std::string method = metric.method.substr(0, kMaxMethodBytes);
     const auto number = select_one<NumberRow>(
         session,
-        "INSERT INTO figure_names (name, unit, method) VALUES (:name, :unit, :method)"
+        "INSERT INTO metric_names (name, unit, method) VALUES (:name, :unit, :method)"
         " ON CONFLICT (name) DO UPDATE SET unit = excluded.unit, method = excluded.method"
         " RETURNING number",
         soci::use(metric.name, "name"),
@@ -115,13 +115,13 @@ Earlier earlier_of(soci::session& session, const MetricSeries& series, const std
     Earlier earlier;
     const auto rows = select_all<EarlierRow>(
         session,
-        "SELECT name, value FROM (SELECT MAX(number) AS newest FROM figure_sets"
+        "SELECT name, value FROM (SELECT MAX(number) AS newest FROM metric_sets"
         "   WHERE kind = 'accuracy_report' AND project = :project AND preset = :preset"
         "   AND measured_job_id <> :measured AND " +
             whose +
             "   GROUP BY measured_job_id ORDER BY newest DESC LIMIT :limit) AS sets"
-            " CROSS JOIN figure_names"
-            " JOIN figures ON figure = figure_names.number AND set_number = newest"
+            " CROSS JOIN metric_names"
+            " JOIN metric_values ON metric = metric_names.number AND set_number = newest"
             " ORDER BY newest",
         soci::use(series.project, "project"),
         soci::use(series.preset, "preset"),
@@ -140,13 +140,13 @@ Page<MetricPoint> MetricStore::series(const MetricFilter& filter, const PageRequ
     const std::string kind = filter.kind ? std::string(to_string(*filter.kind)) : "";
     const std::string sql =
         "SELECT sets.number, sets.dive_id, job_id, kind, site, rig, preset, version,"
-        " calibration_sha256, time_ms, value FROM figures"
-        " JOIN figure_sets AS sets ON sets.number = set_number"
-        " WHERE figure = (SELECT number FROM figure_names WHERE name = :figure)"
+        " calibration_sha256, time_ms, value FROM metric_values"
+        " JOIN metric_sets AS sets ON sets.number = set_number"
+        " WHERE metric = (SELECT number FROM metric_names WHERE name = :metric)"
         " AND set_number > :after AND time_ms >= :since" +
         narrowed(filter.project, "project = :project", "project") +
         narrowed(filter.dive_id,
-                 "set_number IN (SELECT number FROM figure_sets WHERE dive_id = :dive)",
+                 "set_number IN (SELECT number FROM metric_sets WHERE dive_id = :dive)",
                  "dive") +
         narrowed(filter.site, "site = :site", "site") + narrowed(filter.rig, "rig = :rig", "rig") +
         narrowed(
@@ -156,7 +156,7 @@ Page<MetricPoint> MetricStore::series(const MetricFilter& filter, const PageRequ
     catalog_.read([&](soci::session& session) {
         points = select_all<PointRow>(session,
                                       sql,
-                                      soci::use(filter.metric, "figure"),
+                                      soci::use(filter.metric, "metric"),
                                       soci::use(start.created_at_ms, "after"),
                                       soci::use(filter.since_ms, "since"),
                                       soci::use(filter.project, "project"),
@@ -180,7 +180,7 @@ std::optional<MetricName> MetricStore::find(const std::string& name) {
     catalog_.read([&](soci::session& session) {
         found =
             select_one<NameRow>(session,
-                                "SELECT name, unit, method FROM figure_names WHERE name = :name",
+                                "SELECT name, unit, method FROM metric_names WHERE name = :name",
                                 soci::use(name, "name"));
     });
     return found;
@@ -194,11 +194,12 @@ void insert_metrics(soci::session& session, const Job& job, const Measurement& m
         if (!is_metric(metric) || seen.size() == kMaxMetrics || !seen.insert(metric.name).second)
             continue;
         const std::int64_t number = number_of_name(session, metric);
-        execute(session,
-                "INSERT INTO figures (figure, set_number, value) VALUES (:figure, :set, :value)",
-                soci::use(number, "figure"),
-                soci::use(set_number, "set"),
-                soci::use(metric.value, "value"));
+        execute(
+            session,
+            "INSERT INTO metric_values (metric, set_number, value) VALUES (:metric, :set, :value)",
+            soci::use(number, "metric"),
+            soci::use(set_number, "set"),
+            soci::use(metric.value, "value"));
     }
 }
 

@@ -12,8 +12,8 @@
 
 namespace divemesh::storage {
 
-inline constexpr int kMaxPreviews = 200;  // kept per sensor
-inline constexpr int kFewPreviews = 10;   // kept per sensor while the disk is nearly full
+inline constexpr int kMaxPreviews = 200;         // kept per sensor
+inline constexpr int kMaxPreviewsWhenFull = 10;  // kept per sensor while the disk is nearly full
 
 // An image with its bytes.
 struct StoredPreview {

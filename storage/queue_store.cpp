@@ -21,14 +21,6 @@ struct QueueRow {
     }
 };
 
-struct CountRow {
-    std::string state;
-    std::int64_t count = 0;
-
-    void define(soci::statement& statement) { define_columns(statement, state, count); }
-    CountRow value() const { return *this; }
-};
-
 Queue read_queue(soci::session& session, const std::string& project) {
     Queue queue = select_one<QueueRow>(
                       session,
@@ -36,12 +28,12 @@ Queue read_queue(soci::session& session, const std::string& project) {
                       soci::use(project, "project"))
                       .value_or(Queue{.project = project});
     for (const JobState state : kJobStates) queue.num_jobs[std::string(to_string(state))] = 0;
-    for (const CountRow& row :
+    for (const auto& [state, count] :
          select_all<CountRow>(session,
                               "SELECT state, COUNT(*) FROM jobs"
                               " WHERE (:project = '' OR project = :project) GROUP BY state",
                               soci::use(project, "project")))
-        queue.num_jobs[row.state] = row.count;
+        queue.num_jobs[state] = count;
     return queue;
 }
 

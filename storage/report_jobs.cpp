@@ -32,8 +32,8 @@ std::optional<Job> newest(soci::session& session,
                                   " FROM jobs WHERE dive_id = :dive AND kind = 'reconstruct'"
                                   " AND state IN (" +
                                   states +
-                                  ") AND (:version = '' OR id IN (SELECT job_id FROM figure_sets"
-                                  "   WHERE figure_sets.dive_id = :dive AND version = :version))"
+                                  ") AND (:version = '' OR id IN (SELECT job_id FROM metric_sets"
+                                  "   WHERE metric_sets.dive_id = :dive AND version = :version))"
                                   " ORDER BY created_at_ms DESC, id DESC LIMIT 1",
                               soci::use(dive.id, "dive"),
                               soci::use(version, "version"));

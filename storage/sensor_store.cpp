@@ -18,8 +18,8 @@ using nlohmann::json;
 
 // A device's time is trusted if it is at most so far ahead of, and behind, the catalog's clock. If
 // the boot time it implies moves ahead by more, its uptime has stood still.
-constexpr std::int64_t kBelievedAhead_ms = 60'000;
-constexpr std::int64_t kBelievedBack_ms = std::int64_t{366} * 86'400'000;
+constexpr std::int64_t kMaxAhead_ms = 60'000;
+constexpr std::int64_t kMaxBack_ms = std::int64_t{366} * 86'400'000;
 constexpr std::int64_t kTwinForgotten_ms = 60'000;
 constexpr std::int64_t kMaxBoots = 1000;  // per sensor; with more the oldest is dropped
 constexpr std::size_t kMaxCameras = 8;    // shown ones
@@ -123,7 +123,7 @@ private:
     void place_boot(std::int64_t uptime_ms) {
         const std::int64_t epoch_ms = now_ms_ - uptime_ms;
         const bool is_better = !boot_.epoch_ms || epoch_ms < *boot_.epoch_ms ||
-                               epoch_ms > *boot_.epoch_ms + kBelievedAhead_ms;
+                               epoch_ms > *boot_.epoch_ms + kMaxAhead_ms;
         if (is_better) boot_.epoch_ms = epoch_ms;
     }
 
@@ -141,9 +141,8 @@ private:
 
     std::int64_t time_of(const SensorMessage& message) const {
         if (boot_.epoch_ms) return std::min(now_ms_, *boot_.epoch_ms + message.uptime_ms);
-        const bool is_believed = message.time_ms &&
-                                 *message.time_ms <= now_ms_ + kBelievedAhead_ms &&
-                                 *message.time_ms >= now_ms_ - kBelievedBack_ms;
+        const bool is_believed = message.time_ms && *message.time_ms <= now_ms_ + kMaxAhead_ms &&
+                                 *message.time_ms >= now_ms_ - kMaxBack_ms;
         return is_believed ? std::min(now_ms_, *message.time_ms) : now_ms_;
     }
 

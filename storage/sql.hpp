@@ -110,6 +110,14 @@ struct NumberRow {
     std::int64_t value() const { return number; }
 };
 
+// A row of a state and a count.
+struct CountRow {
+    std::string state;
+    std::int64_t count = 0;
+    void define(soci::statement& statement) { define_columns(statement, state, count); }
+    std::pair<std::string, std::int64_t> value() const { return {state, count}; }
+};
+
 // Returns JSON as stored. Text of a recording may hold any bytes, so invalid UTF-8 is replaced.
 inline std::string to_text(const nlohmann::json& json) {
     return json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);

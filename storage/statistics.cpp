@@ -5,14 +5,6 @@
 namespace divemesh::storage {
 namespace {
 
-struct CountRow {
-    std::string state;
-    std::int64_t count = 0;
-
-    void define(soci::statement& statement) { define_columns(statement, state, count); }
-    std::pair<std::string, std::int64_t> value() const { return {state, count}; }
-};
-
 std::int64_t number(soci::session& session, const std::string& sql) {
     std::int64_t value = 0;
     session << sql, soci::into(value);

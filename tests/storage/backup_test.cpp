@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// As if somebody removed each blob between two calls of the backup.
+// As if each blob were removed between two calls of the backup.
 class VanishingBlobs : public BlobStore {
 public:
     explicit VanishingBlobs(BlobStore& blobs) : blobs_(blobs) {}

@@ -114,25 +114,25 @@ TEST(Catalog, ABlockingReadWaitsAfterANonBlockingOne) {
     EXPECT_EQ(text_of(catalog, "PRAGMA busy_timeout"), "15000");
 }
 
-TEST(Catalog, ANoteIsWrittenWithItsChangeOrNotAtAll) {
+TEST(Catalog, AnAuditEventIsWrittenWithItsChangeOrNotAtAll) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
-    Catalog noted = catalog.with_note(
+    Catalog audited = catalog.with_audit(
         [](soci::session& session) { session << "UPDATE event_sequence SET newest = newest + 1"; });
-    const auto notes = [&] { return text_of(catalog, "SELECT newest FROM event_sequence"); };
-    noted.transaction([](soci::session&) {});
-    EXPECT_EQ(notes(), "1");
-    EXPECT_THROW(noted.transaction([](soci::session&) { throw std::runtime_error("no"); }),
+    const auto num_events = [&] { return text_of(catalog, "SELECT newest FROM event_sequence"); };
+    audited.transaction([](soci::session&) {});
+    EXPECT_EQ(num_events(), "1");
+    EXPECT_THROW(audited.transaction([](soci::session&) { throw std::runtime_error("no"); }),
                  std::runtime_error);
-    noted.read([](soci::session&) {});
+    audited.read([](soci::session&) {});
     catalog.transaction([](soci::session&) {});
-    EXPECT_EQ(notes(), "1");
+    EXPECT_EQ(num_events(), "1");
     Catalog failing =
-        catalog.with_note([](soci::session&) { throw std::runtime_error("cannot be noted"); });
+        catalog.with_audit([](soci::session&) { throw std::runtime_error("cannot be audited"); });
     EXPECT_THROW(failing.transaction(
                      [](soci::session& session) { session << "DELETE FROM event_sequence"; }),
                  std::runtime_error);
-    EXPECT_EQ(notes(), "1");
+    EXPECT_EQ(num_events(), "1");
 }
 
 TEST(Catalog, ACheckSeesWhatTheChangeWillFindAndCanRefuseIt) {

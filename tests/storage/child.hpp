@@ -9,6 +9,7 @@
 #include <unistd.h>
 #include <utility>
 
+#include "schemas/file_descriptor.hpp"
 #include "tests/storage/store_fixture.hpp"
 
 namespace divemesh::storage {
@@ -18,13 +19,16 @@ namespace divemesh::storage {
 class Child {
 public:
     Child(const std::string& url, const std::function<void(Stores&)>& work) {
-        if (pipe(go_) != 0) throw std::runtime_error("pipe");
+        int ends[2];
+        if (pipe(ends) != 0) throw std::runtime_error("pipe");
+        read_end_ = FileDescriptor(ends[0]);
+        write_end_ = FileDescriptor(ends[1]);
         pid_ = fork();
         if (pid_ != 0) return;
         try {
             char word = 0;
-            close(go_[1]);
-            if (read(go_[0], &word, 1) != 1) _exit(2);
+            write_end_.close();
+            if (read(read_end_.get(), &word, 1) != 1) _exit(2);
             Stores stores(url);
             work(stores);
             _exit(0);
@@ -34,14 +38,13 @@ public:
         }
     }
     ~Child() {
-        close(go_[0]);
-        close(go_[1]);
+        write_end_.close();  // a child that still waits for go() ends
         if (pid_ > 0) end();
     }
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
 
-    void go() { EXPECT_EQ(write(go_[1], "g", 1), 1); }
+    void go() { EXPECT_EQ(write(write_end_.get(), "g", 1), 1); }
     void kill_now() { kill(pid_, SIGKILL); }
     int end() {
         int status = 0;
@@ -50,7 +53,8 @@ public:
     }
 
 private:
-    int go_[2]{};
+    FileDescriptor read_end_;  // of the pipe that go() writes to
+    FileDescriptor write_end_;
     pid_t pid_ = -1;
 };
 

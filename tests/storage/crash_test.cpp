@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "schemas/file_descriptor.hpp"
 #include "tests/storage/child.hpp"
 
 namespace divemesh::storage {
@@ -48,13 +49,15 @@ TEST_F(CrashTest, AProcessKilledInsideATransactionLeavesNothingOfIt) {
 
 TEST_F(CrashTest, WhatACallHasReturnedSurvivesTheKillOfItsProcess) {
     constexpr std::size_t kIdBytes = 24;  // "job_" and 20 more
-    int told[2];
-    ASSERT_EQ(pipe(told), 0);
+    int ends[2];
+    ASSERT_EQ(pipe(ends), 0);
+    const FileDescriptor read_end(ends[0]);
+    const FileDescriptor write_end(ends[1]);
     Child child(url(), [&](Stores& stores) {
         const Dive dive = stores.dives_.list({}, {}).items.at(0);
         for (;;) {
             const std::string id = stores.enqueue(dive).id;
-            if (write(told[1], id.data(), kIdBytes) != kIdBytes) _exit(2);
+            if (write(write_end.get(), id.data(), kIdBytes) != kIdBytes) _exit(2);
         }
     });
     Stores stores(url());
@@ -63,16 +66,13 @@ TEST_F(CrashTest, WhatACallHasReturnedSurvivesTheKillOfItsProcess) {
     child.go();
     std::vector<std::string> ids(20, std::string(kIdBytes, ' '));
     for (std::string& id : ids)
-        ASSERT_EQ(read(told[0], id.data(), kIdBytes), static_cast<ssize_t>(kIdBytes));
+        ASSERT_EQ(read(read_end.get(), id.data(), kIdBytes), static_cast<ssize_t>(kIdBytes));
     child.kill_now();
     child.end();
-    close(told[0]);
-    close(told[1]);
 
     for (const std::string& id : ids) EXPECT_EQ(stores.jobs_.get(id).state, JobState::Queued);
 }
 
-// Q2
 TEST_F(CrashTest, ProcessesThatClaimAtOnceNeverGetTheSameJob) {
     const Children children = make_children(4, [](Stores& stores) {
         while (const auto claim = stores.jobs_.claim("worker", Stores::kLong))

@@ -17,7 +17,6 @@ const Artifact kMesh{.name = "mesh.glb",
 
 TEST_F(JobLeaseTest, ClaimsNothingFromAnEmptyQueue) { EXPECT_FALSE(jobs_.claim("worker", kLong)); }
 
-// Q3
 TEST_F(JobLeaseTest, ClaimHandsOutJobDiveAndLease) {
     const Dive dive = ready_dive();
     const Job job = enqueue(dive);
@@ -33,7 +32,6 @@ TEST_F(JobLeaseTest, ClaimHandsOutJobDiveAndLease) {
     EXPECT_FALSE(jobs_.claim("another", kLong));
 }
 
-// Q11
 TEST_F(JobLeaseTest, ClaimsByPriorityThenAgeAndIntakeBeforeAllOthers) {
     const Dive dive = ready_dive();
     const Job first = enqueue(dive);
@@ -62,7 +60,6 @@ TEST_F(JobLeaseTest, JobsOfOneMillisecondAreClaimedInTheOrderTheyCame) {
     EXPECT_EQ(claimed, queued);
 }
 
-// Q4
 TEST_F(JobLeaseTest, ArtifactsBecomeVisibleWithTheSuccess) {
     const Job job = enqueue(ready_dive());
     const Lease lease = claim().lease;
@@ -90,7 +87,6 @@ TEST_F(JobLeaseTest, NothingOfAPublishThatBreaksHalfWayIsVisible) {
     EXPECT_EQ(jobs_.get(job.id).state, JobState::Running);
 }
 
-// Q4
 TEST_F(JobLeaseTest, AStaleLeaseChangesNothing) {
     const auto [stale, winner] = overtaken_worker();
     const auto newest = events_.newest_sequence();
@@ -120,7 +116,6 @@ TEST_F(JobLeaseTest, TheRightAttemptWithAGuessedLeaseIdChangesNothing) {
     EXPECT_FALSE(jobs_.fail(lease, {ErrorCode::BadData, "not mine"}));
 }
 
-// Q5
 TEST_F(JobLeaseTest, AnExpiredLeaseGivesTheJobToTheNextWorkerAtOnce) {
     const auto [stale, winner] = overtaken_worker();
 
@@ -145,7 +140,6 @@ TEST_F(JobLeaseTest, AJobThatKeepsLosingItsWorkersIsGivenUp) {
     EXPECT_THAT(jobs_.get(job.id).failure.message, testing::HasSubstr("lease"));
 }
 
-// Q3
 TEST_F(JobLeaseTest, RenewingKeepsALeaseFromExpiring) {
     enqueue(ready_dive());
     const Lease lease = claim(std::chrono::milliseconds(0)).lease;
@@ -155,7 +149,6 @@ TEST_F(JobLeaseTest, RenewingKeepsALeaseFromExpiring) {
     EXPECT_EQ(jobs_.requeue_expired(), 0);
 }
 
-// Q6
 TEST_F(JobLeaseTest, BadDataFailsAtOnce) {
     const Dive dive = ready_dive();
     for (const ErrorCode code : {ErrorCode::BadData,
@@ -171,7 +164,6 @@ TEST_F(JobLeaseTest, BadDataFailsAtOnce) {
     }
 }
 
-// Q6
 TEST_F(JobLeaseTest, OtherFailuresAreTriedAgainUntilTheAttemptsAreUsedUp) {
     const Job job = enqueue(ready_dive(), 2);
 
@@ -196,7 +188,6 @@ TEST_F(JobLeaseTest, PausesGrowAndDifferBetweenJobs) {
     EXPECT_FALSE(patient.claim("worker", kLong));
 }
 
-// Q6
 TEST_F(JobLeaseTest, AnAttemptGivenBackIsNotCounted) {
     const Job job = enqueue(ready_dive(), 1);
 
@@ -248,7 +239,6 @@ TEST_F(JobLeaseTest, ProgressIsKeptAndOnlyItsNewestEvent) {
     EXPECT_THAT(event_types(job.id), ElementsAre("job.state", "job.state", "job.progress"));
 }
 
-// Q1
 TEST_F(JobLeaseTest, EveryChangeOfStateHasItsEventInOrder) {
     const Job job = enqueue(ready_dive());
     jobs_.fail(claim().lease, {ErrorCode::Unavailable, "no network"});

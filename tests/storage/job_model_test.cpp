@@ -297,7 +297,6 @@ protected:
     std::map<std::string, Lease> leases_;  // the newest of each job
 };
 
-// Q1
 TEST_P(JobModelTest, RandomCallsLeadWhereTheModelIs) {
     for (int i = 0; i < 250; ++i) {
         step();

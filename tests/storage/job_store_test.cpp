@@ -89,8 +89,8 @@ TEST_F(JobStoreTest, FailsHeldJobsWhenTheIntakeTheyWaitForIsGivenUp) {
     EXPECT_EQ(jobs_.get(created.job_id).state, JobState::Queued);
 }
 
-// The server may die after the job and before the answer is kept: what comes again is not done
-// again, even when the job has long ended (A6).
+// The server may die after the job and before the answer is kept: a repeated request makes no
+// second job, even when the first one has long ended.
 TEST_F(JobStoreTest, ARequestThatComesAgainFindsItsJobWhateverBecameOfIt) {
     const Dive dive = ready_dive();
     const NewJob request{.dive_id = dive.id, .request_key = "first"};
@@ -131,7 +131,6 @@ TEST_F(JobStoreTest, RefusesWhatItCannotKeep) {
     EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { jobs_.cancel("' OR 1=1 --"); }));
 }
 
-// Q8
 TEST_F(JobStoreTest, CancelsAQueuedJobAtOnce) {
     const Job job = enqueue(ready_dive());
 
@@ -158,7 +157,6 @@ TEST_F(JobStoreTest, CancelOfARunningJobReachesItsWorkerWithTheNextRenewal) {
     EXPECT_EQ(jobs_.attempts(job.id).at(0).state, AttemptState::Cancelled);
 }
 
-// Q8
 TEST_F(JobStoreTest, ACancelledJobIsNotTriedAgainWhenItsWorkerIsLost) {
     const Job job = enqueue(ready_dive());
     claim(kOver);

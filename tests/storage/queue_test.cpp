@@ -67,7 +67,6 @@ TEST_F(QueueTest, AJobIsMovedForwardByItsPriority) {
                             [&] { jobs_.change(late.id, {.priority = 1000}); }));
 }
 
-// Q10
 TEST_F(QueueTest, TheSameWorkIsQueuedOnce) {
     const Dive dive = ready_dive();
     const NewJob work{.dive_id = dive.id, .preset = "fast", .options = {{"voxel_m", 0.02}}};
@@ -86,7 +85,6 @@ TEST_F(QueueTest, TheSameWorkIsQueuedOnce) {
     EXPECT_TRUE(throws_code(ErrorCode::Conflict, [&] { jobs_.retry(first.job.id); }));
 }
 
-// Q10
 TEST_F(QueueTest, TheDatabaseItselfRefusesTheSameWorkTwice) {
     const Dive dive = ready_dive();
     enqueue(dive);
@@ -121,7 +119,6 @@ TEST_F(QueueTest, APausedProjectLetsTheOthersPass) {
     EXPECT_FALSE(queues_.get("club").paused);
 }
 
-// Q11
 TEST_F(QueueTest, AProjectRunsNoMoreJobsAtATimeThanItMay) {
     const Dive wreck = ready_dive_of("lab", "wreck");
     const Dive reef = ready_dive_of("club", "reef");
@@ -192,7 +189,6 @@ TEST_F(QueueTest, WorkersComeAndGo) {
     EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { workers_.set_draining("", true); }));
 }
 
-// Q11
 TEST_F(QueueTest, SaysWhereAJobStandsAndWhenItStarts) {
     const Dive dive = ready_dive_of("lab", "wreck");  // 100 frames
     set_speed(0.5);
@@ -217,7 +213,7 @@ TEST_F(QueueTest, SaysNothingOfWhatIsNotKnown) {
     const Dive dive = ready_dive_of("lab", "wreck");
     const Job first = enqueue(dive);
     const Job second = enqueue(dive);
-    EXPECT_EQ(forecast_.of(first, catalog_)->starts_in_s, -1.0);  // nobody works
+    EXPECT_EQ(forecast_.of(first, catalog_)->starts_in_s, -1.0);  // no worker polls
     workers_.report("worker", 1);
 
     EXPECT_EQ(forecast_.of(first, catalog_)->starts_in_s, 0.0);
@@ -252,7 +248,6 @@ TEST_F(QueueTest, LearnsHowLongJobsTake) {
     EXPECT_EQ(forecast_.of(enqueue(dive), catalog_)->takes_s, 250.0);
 }
 
-// Q12
 TEST_F(QueueTest, DeadLettersAreListedAndDriven) {
     const Dive dive = ready_dive();
     std::vector<std::string> dead;
@@ -284,7 +279,6 @@ TEST_F(QueueTest, NothingIsDrivenOfADiveThatWasDeleted) {
     EXPECT_EQ(jobs_.redrive("", 10).size(), 1u);
 }
 
-// Q12
 TEST_F(QueueTest, KeepsTheLogOfEveryAttempt) {
     const Job job = enqueue(ready_dive());
     for (const char* text : {"first\n", "second\n"}) {

@@ -25,7 +25,6 @@ protected:
     }
 };
 
-// Q6
 TEST_F(RetryPolicyTest, AJobThatRanOutOfMemoryRunsOnceMoreWithLessThenIsDead) {
     const Job job = enqueue(ready_dive(), 10);
 
@@ -42,7 +41,6 @@ TEST_F(RetryPolicyTest, AJobThatRanOutOfMemoryRunsOnceMoreWithLessThenIsDead) {
     EXPECT_FALSE(jobs_.retry(job.id).lowered);
 }
 
-// Q6
 TEST_F(RetryPolicyTest, WantOfMemoryAtTheLastAttemptIsTriedOnceMoreWithLess) {
     const Job job = enqueue(ready_dive(), 2);
     jobs_.fail(claim().lease, {ErrorCode::Unavailable, "no network"});
@@ -92,7 +90,6 @@ TEST_F(RetryPolicyTest, EveryFailureSaysWhatToDo) {
     EXPECT_EQ(jobs_.retry(job.id).failure.remedy, "");
 }
 
-// Q7
 TEST_F(RetryPolicyTest, AJobThatTakesItsWorkersDownAtOnceIsDeadAfterThree) {
     const Job job = enqueue(ready_dive(), 20);
 

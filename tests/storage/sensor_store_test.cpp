@@ -94,7 +94,6 @@ TEST_F(SensorStoreTest, ShowsTheNewestStatusOfNowAndHowOldItIs) {
     EXPECT_THROW(sensors_.get("nobody"), Error);
 }
 
-// S34
 TEST_F(SensorStoreTest, AMessageThatComesAgainChangesNothing) {
     send("a", {status(0, 1000, {{"battery", 0.8}})});
     const Sensor before = sensors_.get("aqua");
@@ -202,7 +201,6 @@ TEST_F(SensorStoreTest, AMetricThatOscillatesAboutItsLimitRaisesOneAlarm) {
     EXPECT_THAT(sensors_.get("aqua").alarms, IsEmpty());
 }
 
-// T7
 TEST_F(SensorStoreTest, SilenceMeansWhatThePlanSays) {
     send("a", {status(0, 1000)});
     pass(20'000);

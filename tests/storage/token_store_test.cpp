@@ -51,7 +51,6 @@ TEST_F(TokenStoreTest, ARevokedTokenOpensNothing) {
     EXPECT_TRUE(throws_code(ErrorCode::NotFound, [&] { tokens_.revoke("token_x"); }));
 }
 
-// S24
 TEST_F(TokenStoreTest, AnExpiredTokenOpensNothing) {
     const CreatedToken created =
         tokens_.create({.name = "day", .scopes = {"admin"}, .lifetime = std::chrono::hours(24)});

@@ -127,7 +127,6 @@ TEST_F(UploadStoreTest, CountsWhatIsNeitherEndedNorADive) {
     EXPECT_NO_THROW(open_in_p(2));
 }
 
-// U15
 TEST_F(UploadStoreTest, OneTokenHasOnlySoManyOpen) {
     const UploadLimits limits{.max_open_of_project = 4, .max_open_of_token = 2};
     const auto create = [&](const std::string& token) {
@@ -144,7 +143,7 @@ TEST_F(UploadStoreTest, OneTokenHasOnlySoManyOpen) {
     EXPECT_EQ(uploads_.list_open().size(), 4u);
 }
 
-// Between the look at its parts and its own entry another final upload may have taken them (S11).
+// Between the check of its parts and its own row, another final upload may have taken them.
 TEST_F(UploadStoreTest, FinalUploadsOfTheSamePartsAtOnceCountEach) {
     const UploadLimits limits{.max_bytes_of_project = 250};
     std::vector<std::string> parts;
