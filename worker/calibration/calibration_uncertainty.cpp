@@ -123,7 +123,9 @@ LensCovariance without_refinement(const types::Rig& rig,
                                   const Eigen::Matrix3Xd& shift_in_centre,
                                   const types::RigAlignment& alignment) {
     LensChanges sigmas = lens_prior_sigmas(rig);
-    for (const int coefficient : {3, 4, 8, 9}) sigmas[coefficient] *= kTypicalDistortion;
+    for (const int lens : {0, types::LensChange::kSize})
+        for (const int coefficient : {types::LensChange::kK1, types::LensChange::kK2})
+            sigmas[lens + coefficient] *= kTypicalDistortion;
     LensCovariance prior = sigmas.cwiseAbs2().asDiagonal();
     if (alignment.disparity_bias_sigma_px <= 0.0 || !is_aligned(alignment)) return prior;
     const double left_px =

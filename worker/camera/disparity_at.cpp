@@ -5,7 +5,7 @@
 namespace divemesh::camera {
 namespace {
 
-constexpr float kOneSurface_px = 1.0F;  // max difference of neighbours on one surface
+constexpr float kMaxStep_px = 1.0F;  // between neighbours on one surface
 
 }  // namespace
 
@@ -17,7 +17,7 @@ float disparity_at(const cv::Mat& disparity, float u, float v, float nearest) {
     const float* above = disparity.ptr<float>(top) + left;
     const float* below = disparity.ptr<float>(top + 1) + left;
     const auto [min_px, max_px] = std::minmax({above[0], above[1], below[0], below[1]});
-    if (min_px <= 0.0F || max_px - min_px > kOneSurface_px) return nearest;
+    if (min_px <= 0.0F || max_px - min_px > kMaxStep_px) return nearest;
     const float share = u - static_cast<float>(left);
     const float upper = (1.0F - share) * above[0] + share * above[1];
     const float lower = (1.0F - share) * below[0] + share * below[1];

@@ -49,7 +49,7 @@ Eigen::Vector2d refract_back(double index, const Eigen::Vector2d& n) {
 // Returns the angle to the axis of an equidistant lens at a distance from the principal point in
 // focal lengths, by bisection: at most kMaxFisheyeAngle_rad, or the angle at which the polynomial
 // stops increasing, which may happen outside the image.
-double angle_at(const std::array<double, 4>& k, double distance) {
+double equidistant_angle_at(const std::array<double, 4>& k, double distance) {
     const auto distance_at = [&](double angle) {
         const double t2 = angle * angle;
         return angle * (1.0 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3]))));
@@ -71,17 +71,16 @@ double angle_at(const std::array<double, 4>& k, double distance) {
     return 0.5 * (below + above);
 }
 
-// Returns normalised image coordinates without distortion.
+// Returns normalised image coordinates without distortion: those of a fisheye by the angle to its
+// axis, which is bounded, those of other lenses by Newton's method.
 Eigen::Vector2d undistort(const types::Camera& camera, const Eigen::Vector2d& pixel) {
     const Eigen::Vector2d d((pixel.x() - camera.cx_px) / camera.fx_px,
                             (pixel.y() - camera.cy_px) / camera.fy_px);
-    if (camera.distortion == types::Distortion::Equidistant) {
+    if (is_fisheye(camera)) {
         const double distance = d.norm();
-        const double scale =
-            distance < 1e-12
-                ? 1.0
-                : std::tan(angle_at(camera.distortion_coefficients, distance)) / distance;
-        return scale * d;
+        if (distance < 1e-12) return d;
+        const double angle = equidistant_angle_at(camera.distortion_coefficients, distance);
+        return std::tan(angle) / distance * d;
     }
     // Starts at the distorted point, then Newton with a numeric Jacobian: converges wherever the
     // model is invertible.
@@ -104,6 +103,10 @@ Eigen::Vector2d undistort(const types::Camera& camera, const Eigen::Vector2d& pi
 }
 
 }  // namespace
+
+bool is_fisheye(const types::Camera& camera) {
+    return camera.distortion == types::Distortion::Equidistant;
+}
 
 std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen::Vector3d& p_cam) {
     if (p_cam.z() <= 1e-6) return std::nullopt;

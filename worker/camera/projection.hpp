@@ -8,9 +8,12 @@
 
 namespace divemesh::camera {
 
-// Rays of a fisheye lens end at this angle to its axis: no rectified image shows what is beyond it.
+// Rays of a fisheye lens end at this angle to its axis: no rectified image shows what is beyond it
+// (Rectifier ends its images earlier).
 constexpr double kMaxFisheyeAngle_rad = 85.0 * std::numbers::pi / 180.0;
 
+// Returns true if the lens may see beyond 85 degrees: its rays then end at kMaxFisheyeAngle_rad.
+bool is_fisheye(const types::Camera& camera);
 // Returns the pixel of a point in the camera frame (m, z forward); nullopt if the point is not in
 // front of the camera, or no ray from it passes a flat port. The pixel may lie outside the image.
 std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen::Vector3d& p_cam);

@@ -9,8 +9,8 @@
 
 namespace divemesh::camera {
 
-// What a camera would have seen that reads all rows at the time of the middle one. Thread-safe
-// after construction.
+// Moves images and depth to where a global shutter would have seen them at the time of the middle
+// row. Thread-safe after construction.
 class ShutterCorrection {
 public:
     // `motions`: of the camera, by index of the frame.

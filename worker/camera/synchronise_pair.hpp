@@ -15,9 +15,9 @@ types::ExposureMotion exposure_motion(const types::RectifiedRig& rig,
                                       double share,
                                       double compensated_disparity_px);
 
-// Returns the frame with its right image warped to the time of the left one, as it is if nothing is
-// known `between` them. The warp is that of points at one depth; what is left for others is told by
-// the frame's `between`.
+// Returns the frame with its right image warped to the time of the left one; the frame unchanged if
+// `between` is nullopt. The warp is exact for points at one depth. The frame's `between` holds the
+// correction for other depths.
 types::RectifiedFrame synchronise_pair(const types::RectifiedFrame& frame,
                                        const std::optional<types::ExposureMotion>& between);
 

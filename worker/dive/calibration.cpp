@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "worker/base/angle.hpp"
+#include "worker/base/rotation_vector.hpp"
 #include "worker/base/text.hpp"
 #include "worker/camera/projection.hpp"
 #include "worker/dive/entry_name.hpp"
@@ -123,7 +124,7 @@ private:
 
     // Returns whether a pixel at the edge of a fisheye image belongs to a ray that is cut off.
     bool is_cut_off(const Eigen::Vector2d& pixel) const {
-        if (camera_.distortion != types::Distortion::Equidistant) return false;
+        if (!camera::is_fisheye(camera_)) return false;
         const Eigen::Vector2d centre(camera_.cx_px, camera_.cy_px);
         double reach_px = 0.0;
         constexpr int kSteps = 32;
@@ -179,7 +180,7 @@ private:
 // face the same way.
 bool is_stereo(const Eigen::Isometry3d& T_cam0_cam1) {
     const Eigen::Vector3d baseline = T_cam0_cam1.translation();
-    const double angle = Eigen::AngleAxisd(T_cam0_cam1.linear()).angle();
+    const double angle = base::angle_rad(T_cam0_cam1.linear());
     return baseline.x() > 0.7 * baseline.norm() && angle < 45.0 * base::kRadPerDeg;
 }
 
@@ -219,7 +220,7 @@ void check_sides(const CalibratedCamera& cam0, const CalibratedCamera& cam1, Fin
                 " in cam0's frame, above or below it: a rig on its side",
             "Turn the images of both cameras by 90 degrees so that cam1 is to the right of cam0 "
             "(ffmpeg -vf transpose), and calibrate with the turned images.");
-    const double angle_deg = Eigen::AngleAxisd(T_cam0_cam1.linear()).angle() * base::kDegPerRad;
+    const double angle_deg = base::angle_rad(T_cam0_cam1.linear()) * base::kDegPerRad;
     findings.error("cameras_not_stereo",
                    kCam1Yaml,
                    "cam1 is at " + metres(baseline) + " in cam0's frame, turned by " +

@@ -15,8 +15,7 @@ using types::Distortion;
 constexpr double kRotationTolerance = 1e-3;  // of a quaternion's norm
 
 Distortion distortion_from(const std::string& name) {
-    for (const Distortion distortion :
-         {Distortion::None, Distortion::RadialTangential, Distortion::Equidistant})
+    for (const Distortion distortion : types::kDistortions)
         if (to_string(distortion) == name) return distortion;
     throw Error(ErrorCode::BadData, "distortion_model '" + name + "' is unknown");
 }

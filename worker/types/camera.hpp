@@ -4,11 +4,15 @@
 
 namespace divemesh::types {
 
-// The lens distortion models: radial-tangential (Brown 1966) and equidistant (Kannala and Brandt
-// 2006).
+// The lens models: radial-tangential (Brown 1966) and equidistant (Kannala and Brandt 2006). A
+// projection of its own kind is one more value here.
 enum class Distortion { None, RadialTangential, Equidistant };
 
+inline constexpr std::array kDistortions = {
+    Distortion::None, Distortion::RadialTangential, Distortion::Equidistant};
+
 // The calibration of one camera: pinhole with lens distortion, pixel centres at integers (OpenCV).
+// fx_px and fy_px are pixels per radian on the axis, whatever the model: a reader converts them.
 // Distortion coefficients: k1 k2 p1 p2 (radial-tangential) or k1 k2 k3 k4 (equidistant).
 struct Camera {
     int width_px = 0;

@@ -32,6 +32,15 @@ TEST(RigJsonTest, GivesBackTheRigThatWasWritten) {
     EXPECT_EQ(read.cam1.refractive_index, 1.337);
 }
 
+TEST(RigJsonTest, GivesBackEveryLensModel) {
+    for (const types::Distortion distortion : types::kDistortions) {
+        types::Rig rig;
+        rig.cam1.distortion = distortion;
+        EXPECT_FALSE(to_string(distortion).empty());
+        EXPECT_EQ(rig_from_json(to_json(rig)).cam1.distortion, distortion);
+    }
+}
+
 TEST(RigJsonTest, RefusesALensThatItDoesNotKnow) {
     nlohmann::json entry = to_json(types::Rig());
     entry["cam1"]["distortion_model"] = "magic";
