@@ -17,4 +17,4 @@ set(worker_layers
   fusion mesh mosaic io dive markers simulator evaluation reef report compare pipeline attempt runner)
 
 # Of worker/, what the agent on the device may include: no solver library, no reader of tags.
-set(sensor_may_use_of_worker base stats types camera features odometry io dive imu)
+set(sensor_may_use_of_worker base stats types camera features odometry dive)

@@ -4,9 +4,9 @@ namespace divemesh::base {
 
 // The instruction sets that inner loops are compiled for; each contains the ones before. All give
 // the same integers: a loop is one source, compiled once per set (compiled_for). Loops that gain
-// nothing from the widest set use the next narrower one. The rows of semi-global matching alone
-// name instructions, which no compiler finds in C++: counts of bits by shuffles, tables of a
-// register.
+// nothing from the widest set use the next narrower one. Only the rows of semi-global matching
+// name instructions, because compilers do not find these in C++: bit counts by shuffles, tables in
+// a register.
 enum class Instructions { Baseline, Avx2, Avx512 };
 
 // Returns the widest set that this machine can run.

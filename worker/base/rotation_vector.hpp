@@ -31,6 +31,9 @@ Eigen::Matrix<T, 3, 1> vector_from_small_rotation(const Eigen::Quaternion<T>& q)
     return (q.w() < T(0.0) ? T(-2.0) : T(2.0)) * q.vec();
 }
 
+// Returns the angle of a rotation, rad, 0 to pi.
+inline double angle_rad(const Eigen::Matrix3d& R) { return Eigen::AngleAxisd(R).angle(); }
+
 // Returns the matrix M with M a = v x a (cross product).
 inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
     Eigen::Matrix3d m;

@@ -58,8 +58,8 @@ public:
 
     // Solves in rounds of least squares, each linearised in time offset and lenses at the last
     // result. Returns how the last round ended, with the iterations and the first cost of them all;
-    // StoppedAtLimit also if the unknowns still changed in it (`last_step_sigmas` says how much),
-    // Failed also if they have no covariance.
+    // StoppedAtLimit also if the unknowns still changed in it (by `last_step_sigmas`), Failed also
+    // if they have no covariance.
     types::SolverOutcome solve(const FreeUnknowns& free,
                                const base::ProgressCallback& progress,
                                const Progress& at,
@@ -67,7 +67,8 @@ public:
     void hold_lenses(const LensChanges& changes) { unknowns_.lenses = changes; }
     // Uses every `stride`-th landmark from now on.
     void thin(std::size_t stride) { stride_ = stride; }
-    // Returns false if the motion is known at no keyframe: then nothing tells the readout time.
+    // Returns true if the motion is known at a keyframe. Otherwise the readout time cannot be
+    // estimated.
     bool knows_motion() const;
     const CalibrationUnknowns& unknowns() const { return unknowns_; }
     const CalibrationSigmas& sigmas() const { return sigmas_; }

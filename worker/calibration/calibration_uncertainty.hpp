@@ -10,8 +10,8 @@ namespace divemesh::calibration {
 
 // Returns how uncertain the calibration is once `refined.calibration` is applied: both lenses, the
 // rotation of the right camera, the length of the baseline, mounting and clock of the IMU. A
-// parameter that the dive determined has the uncertainty of that estimate, and what was estimated
-// but not applied is part of it. All others have that of a careful calibration, narrowed by what
+// parameter that the dive determined has the uncertainty of that estimate; an estimate that was not
+// applied adds to its uncertainty. All others have that of a careful calibration, narrowed by what
 // the alignment of the cameras determined of rows and disparities.
 optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& rig,
                                                              const types::RectifiedRig& rectified,

@@ -13,8 +13,9 @@
 
 namespace divemesh::calibration {
 
-// The row errors of imperfect lens models: what a polynomial of degree 2 and 3 of the right pixel
-// adds to its row. Without them, and their priors, lenses would look like another rig.
+// The row errors of imperfect lens models: a polynomial of degree 2 and 3 of the right pixel that
+// is added to its row. Without these terms and their priors, errors of the lenses would be
+// attributed to the pose of the rig.
 constexpr int kNumLensTerms = 7;
 using LensTerms = Eigen::Matrix<double, kNumLensTerms, 1>;
 

@@ -31,17 +31,16 @@ struct RangeSolution {
     RangeUnknowns values = RangeUnknowns::Zero();
     RangeCovariance covariance = RangeCovariance::Zero();
     double error_px = 0.0;  // robust standard deviation of a measured coordinate
-    int num_windows = 0;    // that tell anything
+    int num_windows = 0;    // that constrain the unknowns
     int num_matches = 0;    // inliers
     double bias_px = 0.0;   // by which disparities in the middle of the image are too large
     double bias_sigma_px = 0.0;
     types::SolverOutcome outcome;  // failed without windows
 };
 
-// Returns what makes the ranges of one scene agree from frame to frame: a yaw of the right camera,
-// or a wrong principal point, shifts all disparities, so points move as no rigid scene would. Least
-// squares of what the second pair sees of the points of the first, over the motion of each window
-// and the shared unknowns:
+// Returns the unknowns that make the ranges of a scene agree from frame to frame. A wrong yaw or
+// principal point shifts all disparities, so points seem to move as in no rigid scene. Solves by
+// least squares over the motion of each window and the shared unknowns, with the residual
 //
 //     r = (u, v, d)_after - project(T_after_before triangulate(u, v, d)_before)
 //

@@ -12,7 +12,7 @@ namespace divemesh::calibration {
 // that were rectified with the stated calibration; those of a pair must follow each other. The
 // length of the baseline stays as stated: images alone do not determine it. Pitch, roll, direction
 // of the baseline and focal length are estimated where they are significant. An outcome `Moved`
-// says that the change is large enough to matter.
+// means that the change is large enough to matter.
 types::RigAlignment estimate_rig_alignment(const types::Rig& rig,
                                            const types::RectifiedRig& rectified,
                                            const types::StereoMatches& matches);

@@ -14,8 +14,8 @@ namespace divemesh::calibration {
 std::vector<std::optional<camera::CameraMotion>> camera_motions(
     const types::Track& track, const std::vector<types::Keyframe>& frames);
 
-// Moves every observation to where a camera that reads all rows at the time of the middle one would
-// have seen the landmark.
+// Moves every observation to where a global shutter would have seen the landmark at the time of the
+// middle row.
 void undo_rolling_shutter(const types::Rig& rig, double readout_time_s, types::Track& track);
 
 }  // namespace divemesh::calibration

@@ -184,11 +184,6 @@ json csv_value(const json& metric, const char* time, const char* bound) {
     return estimate == metric.end() ? json() : (*estimate)[bound];
 }
 
-std::string csv_field(const json& value) {
-    if (value.is_null()) return "";
-    return value.is_string() ? io::csv_cell(value.get<std::string>()) : value.dump();
-}
-
 }  // namespace
 
 ComparedAreas read_compared_areas(const std::filesystem::path& earlier,
@@ -245,12 +240,12 @@ std::string area_changes_csv(const json& metrics) {
         "change,change_low,change_high,method,refused\n";
     for (const json& metric : metrics) {
         for (const char* key : {"figure", "area", "dive", "label", "unit"})
-            csv += csv_field(metric.value(key, json())) + ",";
+            csv += io::csv_cell_of(metric.value(key, json())) + ",";
         for (const char* time : {"earlier", "later", "change"})
             for (const char* bound : {"value", "low", "high"})
-                csv += csv_field(csv_value(metric, time, bound)) + ",";
-        csv += csv_field(metric.value("method", json())) + "," +
-               csv_field(metric.value("refused", json())) + "\n";
+                csv += io::csv_cell_of(csv_value(metric, time, bound)) + ",";
+        csv += io::csv_cell_of(metric.value("method", json())) + "," +
+               io::csv_cell_of(metric.value("refused", json())) + "\n";
     }
     return csv;
 }

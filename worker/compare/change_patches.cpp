@@ -28,11 +28,6 @@ cv::Mat beyond_chance(const ChangeMap& map, double ground_m2, double core_m2) {
     return cv::abs(map.change_m) > level;
 }
 
-cv::Mat disc(double radius_cells) {
-    const int r = std::max(1, static_cast<int>(std::lround(radius_cells)));
-    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1});
-}
-
 cv::Mat cells_in(const ChangeMap& map, CellState state) {
     return map.state == static_cast<int>(state);
 }

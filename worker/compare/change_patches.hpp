@@ -10,7 +10,10 @@
 
 namespace divemesh::compare {
 
-// Connected ground that rose or sank beyond the level of detection.
+// Connected ground that rose or sank beyond the level of detection. The interval of its volume
+// contains the noise of a mean over its area, as measured on stable ground, and the errors of the
+// co-registration and the outline. Patches are chosen by their apparent change, so `num_sigma` is
+// such that 95 % of the chosen intervals hold (false coverage rate; Benjamini and Yekutieli 2005).
 struct ChangePatch {
     int number = 0;  // from 1 on, in order of decreasing volume
     bool grown = false;
@@ -25,7 +28,9 @@ struct ChangePatch {
     double hidden_m2 = 0.0;  // area beside it that one dive did not see
 };
 
-// All patches of one sign together.
+// All patches of one sign together. They share the errors of the co-registration and the outline.
+// Change below the level of detection is in no patch. So the upper bound of the volume adds the
+// rise (fall) of all blocks of 0.15 m of the other ground beyond their noise.
 struct ChangeTotal {
     stats::Estimate area_m2;
     stats::Estimate volume_m3;   // the upper bound includes what may be outside the patches
@@ -53,17 +58,11 @@ struct PatchOptions {
 };
 
 // Gathers changed cells into patches. Cells that touch by sides or corners and changed the same way
-// make a patch if a part of them has changed by more than stable ground does anywhere: of all parts
-// of `core_area_m2` that both dives saw, one in twenty comparisons would find one beyond that level
-// (Bonferroni); a level of 95 % alone is exceeded by a twentieth of the ground. The volume also
+// make a patch if a core of them, of `core_area_m2`, has changed beyond its level. The level of a
+// core is such that stable ground exceeds it anywhere in only one comparison of twenty
+// (Bonferroni). A level of 95 % would be exceeded by a twentieth of the ground. The volume also
 // includes a margin, where change fades out below the level of detection. The area is that of the
-// significant cells and what they enclose; its outline is known to half the margin. The volume's
-// interval contains the noise of a mean over that area, as measured on stable ground, and the
-// errors of the co-registration and the outline, which all patches of a total share. Because
-// patches are chosen by how much they seem to have changed, its number of standard deviations is
-// such that 95 % of the chosen intervals hold (false coverage rate; Benjamini and Yekutieli 2005).
-// Change below the level of detection is in no patch: a total's upper bound adds the rise (fall) of
-// all blocks of 0.15 m of the other ground beyond what their noise alone shows.
+// significant cells and the cells that they enclose; its outline is known to half the margin.
 Changes gather_changes(ChangeMap& map, const PatchOptions& options);
 
 }  // namespace divemesh::compare

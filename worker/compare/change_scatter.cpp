@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/stats/distributions.hpp"
 #include "worker/stats/quantile.hpp"
 #include "worker/stats/robust.hpp"
 
@@ -13,11 +14,6 @@ namespace {
 
 constexpr std::array kRanges_m = {0.0, 0.01, 0.02, 0.04, 0.08, 0.16};
 constexpr std::size_t kMinCells = 200;
-
-cv::Mat disc(double diameter_cells) {
-    const int r = std::max(1, static_cast<int>(std::lround(0.5 * diameter_cells)));
-    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1});
-}
 
 // Returns max - min within the element; 0 where no cell was seen.
 cv::Mat range_of(const cv::Mat& height_m, const cv::Mat& element) {
@@ -39,10 +35,10 @@ cv::Mat classes_of(const ChangeMap& map,
                    const SurfaceRaster& b,
                    double scale_m) {
     const double scale_cells = scale_m / map.grid.cell_m;
-    const cv::Mat element = disc(scale_cells);
+    const cv::Mat element = disc(0.5 * scale_cells);
     const cv::Mat range = cv::max(range_of(a.height_m, element), range_of(b.height_m, element));
     cv::Mat edge;
-    cv::dilate(~cells_with_value(map.change_m), edge, disc(2.0 * scale_cells));
+    cv::dilate(~cells_with_value(map.change_m), edge, disc(scale_cells));
     cv::Mat classes = cv::Mat::zeros(range.size(), CV_8U);
     for (std::size_t i = 1; i < kRanges_m.size(); ++i)
         classes.setTo(cv::Scalar::all(static_cast<double>(i)), range >= kRanges_m[i]);
@@ -54,8 +50,9 @@ cv::Mat classes_of(const ChangeMap& map,
 
 double robust_sigma(std::vector<float>& sizes) {
     if (sizes.empty()) return 0.0;
-    return std::max(static_cast<double>(stats::lower_quantile(sizes, 0.5)) * stats::kSigmasPerMad,
-                    static_cast<double>(stats::lower_quantile(sizes, 0.8)) / 1.2816);
+    return std::max(
+        static_cast<double>(stats::lower_quantile(sizes, 0.5)) * stats::kSigmasPerMad,
+        static_cast<double>(stats::lower_quantile(sizes, 0.8)) / stats::normal_quantile(0.9));
 }
 
 std::vector<ScatterClass> scale_by_scatter(ChangeMap& map,

@@ -16,8 +16,8 @@ struct ScatterClass {
     double factor = 1.0;  // for a cell's sigma
 };
 
-// Multiplies the map's sigma so that it tells how far the difference of heights scatters on ground
-// of that kind: heteroscedastic errors, standardised by class (Hugonnet et al. 2022). Most ground
+// Multiplies the map's sigma so that it is the scatter of the difference of heights on ground of
+// that kind: heteroscedastic errors, standardised by class (Hugonnet et al. 2022). Most ground
 // of a kind is stable, so its scatter follows from the median and the 80th percentile of its
 // differences. A class of fewer than 200 cells takes the factor of the next less steep class, the
 // least steep keeps the stated sigma. `scale_m`: the size over which the range of heights is taken.

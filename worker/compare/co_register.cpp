@@ -16,7 +16,7 @@ namespace {
 constexpr double kMinAgreement = 0.6;
 constexpr double kMinOverlap = 0.1;  // of the smaller surface
 constexpr double kMinGround_m2 = 0.5;
-constexpr double kAmbiguous = 0.85;  // relative to the agreement of the best one
+constexpr double kMinAmbiguousShare = 0.85;  // of the agreement of the best one
 constexpr double kApart_m = 0.3;
 constexpr double kMinHeightSpread =
     0.003;  // mean square of the normals' tilt in the flattest direction
@@ -217,7 +217,7 @@ CoRegistration fit_heights(const Registrar& registrar,
     if (!registrar.holds(best)) refuse(of_features + ", and " + registrar.reason_against(best));
     for (const CoRegistration& other : fits)
         if (registrar.holds(other) && elsewhere(best, other) &&
-            other.agreement > kAmbiguous * best.agreement)
+            other.agreement > kMinAmbiguousShare * best.agreement)
             refuse(of_features + ", and the shape of the ground fits in two places");
     return best;
 }

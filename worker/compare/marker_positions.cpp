@@ -1,11 +1,10 @@
 #include "worker/compare/marker_positions.hpp"
 
-#include <algorithm>
 #include <array>
-#include <cstdint>
 #include <nlohmann/json.hpp>
 
 #include "schemas/error.hpp"
+#include "worker/evaluation/tracking_segments.hpp"
 
 namespace divemesh::compare {
 namespace {
@@ -25,30 +24,17 @@ MarkerPosition position_of(const nlohmann::json& entry) {
     return marker;
 }
 
-// Returns the segment with the most frames.
-int largest_segment(const nlohmann::json& metrics) {
-    int largest = 0;
-    std::int64_t max_num_frames = -1;
-    int number = 0;
-    for (const auto& segment : metrics.at("pieces")) {
-        const auto num_frames = segment.at("num_frames").get<std::int64_t>();
-        if (num_frames > max_num_frames) largest = number;
-        max_num_frames = std::max(max_num_frames, num_frames);
-        ++number;
-    }
-    return largest;
-}
-
 }  // namespace
 
 std::vector<MarkerPosition> marker_positions(const io::ReconstructionFolder& folder) {
     std::vector<MarkerPosition> positions;
     const auto section = folder.metrics().find("markers");
     if (section == folder.metrics().end()) return positions;
+    const std::size_t segment = evaluation::number_of_largest(folder.segments());
     try {
-        const int segment = largest_segment(folder.metrics());
         for (const auto& entry : section->at("markers"))
-            if (entry.at("piece").get<int>() == segment) positions.push_back(position_of(entry));
+            if (entry.at("piece").get<std::size_t>() == segment)
+                positions.push_back(position_of(entry));
     } catch (const nlohmann::json::exception& error) {
         throw Error(ErrorCode::BadData,
                     (folder.path() / "metrics.json").string() + ", markers: " + error.what());

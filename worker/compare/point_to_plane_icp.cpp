@@ -16,7 +16,7 @@ namespace {
 
 using Vector6d = Eigen::Matrix<double, 6, 1>;
 
-constexpr float kSameSide = 0.5F;  // min cosine between the normals of partners
+constexpr float kMinNormalCosine = 0.5F;  // between the normals of partners
 constexpr double kMinScale_m = 5e-4;
 constexpr double kSettled_m = 1e-5;
 constexpr std::size_t kMinPartners = 100;
@@ -56,7 +56,7 @@ std::vector<Partner> find_partners(const SurfacePoints& a,
                 if (!nearest) continue;
                 const Eigen::Vector3f normal =
                     (T_a_b.linear() * b.normals[i].cast<double>()).cast<float>();
-                if (a.normals[*nearest].dot(normal) < kSameSide) continue;
+                if (a.normals[*nearest].dot(normal) < kMinNormalCosine) continue;
                 partner.found = true;
                 partner.normal = a.normals[*nearest].cast<double>();
                 partner.residual_m =

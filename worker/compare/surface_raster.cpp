@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <opencv2/core.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "worker/mesh/triangle_pixels.hpp"
 
@@ -30,6 +31,11 @@ cv::Mat cells_with_value(const cv::Mat& values) {
     cv::Mat mask;
     cv::compare(values, values, mask, cv::CMP_EQ);
     return mask;
+}
+
+cv::Mat disc(double radius_cells) {
+    const int r = std::max(1, static_cast<int>(std::lround(radius_cells)));
+    return cv::getStructuringElement(cv::MORPH_ELLIPSE, {2 * r + 1, 2 * r + 1});
 }
 
 RasterGrid grid_over(const types::Mesh& a,

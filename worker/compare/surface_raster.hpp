@@ -23,6 +23,10 @@ struct RasterGrid {
 // Returns a mask (CV_8U) of the cells whose value (CV_32F) is not NaN.
 cv::Mat cells_with_value(const cv::Mat& values);
 
+// Returns a disc of cells to dilate or erode a mask with; its radius is rounded, to 1 cell at
+// least.
+cv::Mat disc(double radius_cells);
+
 // The highest surface of a mesh over each cell's centre.
 struct SurfaceRaster {
     cv::Mat height_m;  // CV_32F, z; NaN without a surface

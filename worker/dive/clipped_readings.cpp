@@ -16,7 +16,7 @@ constexpr double kMinRatio = 5.0;
 constexpr double kMinExtent_steps = 50.0;
 constexpr double kMaxShare = 0.01;
 
-// Returns the least difference between values in succession.
+// Returns the min difference between successive values.
 double smallest_step(const std::vector<double>& values) {
     double min_step = std::numeric_limits<double>::infinity();
     for (std::size_t i = 1; i < values.size(); ++i) {

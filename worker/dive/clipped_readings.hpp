@@ -10,9 +10,9 @@ namespace divemesh::dive {
 // The readings of one sensor of an IMU that stop at the end of its range.
 struct ClippedReadings {
     std::vector<std::size_t> rows;  // ascending; empty: none
-    double limit = 0.0;             // the least reading at which an axis stops, absolute
+    double limit = 0.0;             // the min reading at which an axis stops, absolute
 
-    // Says whether too many readings are clipped for the others to be worth anything.
+    // Returns true if so many readings are clipped that the sensor cannot be used.
     bool spoil(std::size_t num_rows) const;
 };
 

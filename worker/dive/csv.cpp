@@ -4,17 +4,12 @@
 #include <array>
 #include <charconv>
 
+#include "schemas/trimmed.hpp"
+
 namespace divemesh::dive {
 namespace {
 
 constexpr std::size_t kMaxFields = 32;
-
-std::string_view trimmed(std::string_view text) {
-    constexpr std::string_view kBlank = " \t\r";
-    const std::size_t first = text.find_first_not_of(kBlank);
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
-}
 
 // Returns the text of a field, without the quotes that spreadsheets write around it.
 std::string_view unquoted(std::string_view field) {

@@ -31,7 +31,6 @@ struct DiveInfo {
     std::string name;
     std::string site;
     std::string rig;
-    std::string notes;
     std::vector<std::string> tags;
     std::optional<double> water_temperature_c;
     std::optional<double> water_salinity_psu;

@@ -139,7 +139,6 @@ DiveInfo parse_dive_info(std::string_view text, FindingLog& findings) {
     info.name = printable(text_at(object, "name"));
     info.site = printable(text_at(object, "site"));
     info.rig = printable(text_at(object, "rig"));
-    info.notes = text_at(object, "notes");
     read_water(object, info);
     info.position = position_at(object, findings);
     const auto tags = object.find("tags");

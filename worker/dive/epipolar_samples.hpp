@@ -19,7 +19,7 @@ struct EpipolarSample {
     double speed_m_s = 0.0;  // of the left feature in space, across the line of sight
 };
 
-// The samples of one moment, and how many features were searched for them.
+// The samples of one moment, and the number of features searched for.
 struct EpipolarMoment {
     std::vector<EpipolarSample> samples;
     int num_corners = 0;

@@ -22,8 +22,8 @@ public:
 
     void add(const cv::Mat& image);  // 8 bit grey, all of one size
 
-    // Returns empty masks if there are too few images, or if the rig stands still: whatever passes
-    // in front of it, such as a shoal, most edges all over the image stay.
+    // Returns empty masks if there are too few images or if the rig stands still. It stands still
+    // if most edges all over the image stay, even while something such as a shoal passes.
     Masks masks() const;
 
 private:

@@ -25,7 +25,7 @@ struct FramePair {
 };
 
 // Parses a camera's data.csv; bad rows are reported as findings. Rows are in the order of time;
-// where the clock was set back they are moved, and `clock` says where.
+// where the clock was set back they are moved, and `clock` holds the place.
 std::vector<CameraRow> parse_camera_rows(std::string_view text,
                                          const std::string& camera,
                                          FindingLog& findings,
@@ -51,10 +51,10 @@ std::vector<FramePair> match_pairs(const std::vector<CameraRow>& left,
 // Returns the tolerance for cameras on one clock: half a frame period, at most 5 ms.
 std::int64_t common_clock_tolerance_ns(const std::vector<CameraRow>& left);
 
-// Returns whether at least half of the images have a partner within that tolerance.
+// Returns true if at least half of the images have a partner within that tolerance.
 bool agree_in_time(const std::vector<CameraRow>& left, const std::vector<CameraRow>& right);
 
-// Returns the difference of the clocks as far as timestamps tell: 0 if they agree in time.
+// Returns the difference of the clocks by the timestamps alone: 0 if they agree in time.
 // Otherwise the offset that brings timestamps of both cameras nearest to each other: by less than a
 // frame period if both ran at the same time, else from the first image of one to the first of the
 // other.

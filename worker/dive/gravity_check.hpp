@@ -5,8 +5,8 @@
 
 namespace divemesh::dive {
 
-// Reports an accelerometer by which the cameras hang upside down: more likely its sign is reversed.
-// A camera that looks straight up or down cannot tell.
+// Reports an accelerometer that says the cameras are upside down; its sign is probably reversed.
+// Cannot decide for a camera that looks straight up or down.
 void check_gravity_direction(const DiveContents& contents, FindingLog& findings);
 
 }  // namespace divemesh::dive

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "worker/base/angle.hpp"
+#include "worker/base/rotation_vector.hpp"
 #include "worker/base/text.hpp"
 #include "worker/stats/median.hpp"
 
@@ -78,9 +79,7 @@ HandEye compare_rotations(const std::vector<RotationPair>& pairs,
     const Eigen::Matrix3d R_best =
         svd.matrixU() * Eigen::Vector3d(1.0, 1.0, sign).asDiagonal() * svd.matrixV().transpose();
     result.best_residual = residual(pairs, R_best) / motion;
-    result.best_angle_deg =
-        Eigen::AngleAxisd(Eigen::Matrix3d(R_best.transpose() * R_imu_cam0)).angle() *
-        base::kDegPerRad;
+    result.best_angle_deg = base::angle_rad(R_best.transpose() * R_imu_cam0) * base::kDegPerRad;
     result.best_is_determined = svd.singularValues()[1] > 0.1 * svd.singularValues()[0];
     return result;
 }

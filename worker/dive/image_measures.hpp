@@ -19,12 +19,12 @@ double combing(const cv::Mat& image);
 // the mean brightness: 0, or the differences of the colours in a Bayer mosaic.
 double mosaic_contrast(const cv::Mat& image);
 
-// Returns whether hardly a part of the image is lit. False for images too small to tell.
+// Returns true if almost the whole image is dark. False for images too small to decide.
 bool is_dark(const cv::Mat& image);
 
-// Returns whether at least half of the image, without its black parts, has texture above its noise:
+// Returns true if at least half of the image, without its black parts, has texture above its noise:
 // a median contrast of details of about 4 px, in images reduced to 640 px of width. False for a
-// dark image, true for images too small to tell.
+// dark image, true for images too small to decide.
 bool has_texture(const cv::Mat& image);
 
 }  // namespace divemesh::dive

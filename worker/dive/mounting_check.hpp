@@ -24,12 +24,12 @@ public:
     void report(FindingLog& findings) const;
 
 private:
-    static constexpr std::size_t kNumTurns = 3;
+    static constexpr std::size_t kNumOrientations = 3;
 
     int num_corners_ = 0;
     int num_found_ = 0;
     int num_in_place_ = 0;  // found at the same pixel
-    std::array<int, kNumTurns> num_found_turned_{};
+    std::array<int, kNumOrientations> num_found_turned_{};
 };
 
 }  // namespace divemesh::dive

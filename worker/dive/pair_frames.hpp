@@ -19,7 +19,7 @@ struct CameraImages {
     std::function<cv::Mat(const CameraRow&)> load_right;
 };
 
-// The frames of a dive, as timestamps and images together tell.
+// The frames of a dive, paired by timestamps and images.
 struct PairedFrames {
     std::vector<FramePair> pairs;
     ClockDifference clocks;

@@ -11,7 +11,7 @@ namespace divemesh::dive {
 
 // Parse the data.csv files of the sensors; samples stay in the frame of the sensor. Problems of a
 // row or of the whole file are findings. Samples are in the order of time; where the clock was set
-// back they are moved, and `clock` says where. `text` is the file's contents, `file` its name.
+// back they are moved, and `clock` holds the place. `text` is the file's contents, `file` its name.
 std::vector<types::ImuSample> parse_imu(std::string_view text,
                                         const std::string& file,
                                         FindingLog& findings,

@@ -30,7 +30,7 @@ public:
 
     // Sorts rows that are given in the order of the file, each with its line. Rows after the clock
     // was set back are moved behind those before. Of rows with one timestamp the first is kept;
-    // `is_same` tells whether two of them hold the same values.
+    // `is_same` returns true if two of them hold the same values.
     template <typename Row, typename IsSame>
     TableClock sort(std::vector<Row>& rows, std::vector<std::int64_t> lines, const IsSame& is_same);
 
@@ -144,7 +144,7 @@ void StampCheck::drop_doubles(std::vector<Row>& rows,
     rows.erase(rows.begin() + static_cast<std::ptrdiff_t>(num_kept), rows.end());
 }
 
-// Sorts rows by time and drops those that cannot be believed.
+// Sorts rows by time and drops those with implausible timestamps.
 template <typename Row>
 void StampCheck::put_in_order(std::vector<Row>& rows,
                               const std::vector<std::int64_t>& lines,

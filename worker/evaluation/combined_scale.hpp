@@ -8,17 +8,17 @@
 
 namespace divemesh::evaluation {
 
-// What several sensors say of the scale together, each weighted by its sigma, and what follows from
-// that and from the cameras' own calibration.
+// The scale by several sensors together, weighted by sigma, and its comparison with the cameras'
+// calibration.
 struct CombinedScale {
     std::vector<ScaleSource> sources;
     ScaleCheck sensors;  // their mean; sigma larger if they disagree (Birge 1932)
     // All lengths have to be multiplied by it: the sensors' scale weighted with the cameras', or
     // the sensors' alone if the calibration is refuted.
     double factor = 1.0;
-    double sigma = 0.0;      // of the factor
-    bool differs = false;    // the sensors' mean is more than three of its sigmas from 1
-    bool refuted = false;    // and three of both's: the rig is not as it was calibrated
+    double sigma = 0.0;    // of the factor
+    bool differs = false;  // the sensors' mean is more than three of its sigmas from 1
+    bool refuted = false;  // and more than three sigmas of both together: the calibration is wrong
     bool is_better = false;  // the sensors' sigma is at most three quarters of the cameras'
 };
 
@@ -27,9 +27,9 @@ struct CombinedScale {
 CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_sigma);
 
 // Returns the scale by which the result has to be multiplied: if the sensors' mean differs from the
-// cameras' scale, or is known clearly better. Returns nullopt otherwise, and if the two
-// differ by more than 10 %, as then a size was stated wrong; and for a path without a stated error
-// (`cameras_sigma` 0), which cannot be weighed.
+// cameras' scale, or is known clearly better. Returns nullopt otherwise. Also returns nullopt if
+// the two differ by more than 10 % (a size was stated wrong), or if the path has no stated error
+// (`cameras_sigma` 0).
 std::optional<CombinedScale> scale_correction(const std::vector<ScaleSource>& sources,
                                               double cameras_sigma);
 

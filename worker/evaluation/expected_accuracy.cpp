@@ -75,7 +75,7 @@ void add_contradiction(const ScaleSource& source, ExpectedAccuracy& expected) {
 void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     const types::PathUncertainty& path = input.optimise.path;
     if (path.scale_sigma > 0.0) expected.cameras = ScaleCheck{1.0, path.scale_sigma};
-    expected.scales = input.scale.told;
+    expected.scales = input.scale.usable;
     for (ScaleSource& source : expected.scales) {
         source.check.sigma = std::hypot(source.check.sigma, path.scale_sigma_or_typical());
         if (is_contradicted(source.check)) add_contradiction(source, expected);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "worker/base/nearest_to_rays.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/camera/projection.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
@@ -17,6 +18,7 @@ namespace divemesh::evaluation {
 namespace {
 
 constexpr std::size_t kMinKeyframes = 4;
+constexpr double kMinParallax = 1e-6;  // as in nearest_to_rays()
 constexpr int kMaxIterations = 10;
 // RMS by which the last step of a solution may move the projections of a point.
 constexpr double kMaxLastStep_px = 0.01;
@@ -70,22 +72,12 @@ std::vector<View> views_of(const std::vector<dive::Mark>& marks,
     return views;
 }
 
-// Returns the point with the least sum of squared distances to all rays.
-std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<View>& views) {
-    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
-    for (const View& view : views) {
-        const Eigen::Vector3d ray =
-            (view.T_world_cam.linear() * camera::unproject(view.camera, view.pixel)).normalized();
-        const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
-        A += across;
-        b += across * view.T_world_cam.translation();
-    }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(A);
-    constexpr double kMinParallax = 1e-6;  // mean squared sine between the rays
-    if (solver.eigenvalues()[0] < kMinParallax * static_cast<double>(views.size()))
-        return std::nullopt;
-    return A.ldlt().solve(b);
+std::vector<base::Ray> rays_of(const std::vector<View>& views) {
+    std::vector<base::Ray> rays;
+    for (const View& view : views)
+        rays.push_back({view.T_world_cam.translation(),
+                        view.T_world_cam.linear() * camera::unproject(view.camera, view.pixel)});
+    return rays;
 }
 
 // Reprojection error in pixels, to second order: H = J^T J, gradient J^T r, squares r^T r.
@@ -123,7 +115,7 @@ std::optional<Reprojection> reproject(const std::vector<View>& views,
 // Returns nullopt if the rays do not determine a point or the iterations do not converge in front
 // of the cameras.
 std::optional<Eigen::Vector3d> located(const std::vector<View>& views) {
-    auto point = nearest_to_rays(views);
+    auto point = base::nearest_to_rays(rays_of(views), kMinParallax);
     if (!point) return std::nullopt;
     double last_step_px = 0.0;
     for (int i = 0; i < kMaxIterations; ++i) {
@@ -195,7 +187,7 @@ double sigma_of_length_m(const End& a, const End& b, const KnownPath& path) {
 }
 
 std::vector<dive::Mark> marks_within(const std::vector<dive::Mark>& marks,
-                                     const TrackingSegment& segment) {
+                                     const types::TrackingSegment& segment) {
     std::vector<dive::Mark> within;
     for (const dive::Mark& mark : marks)
         if (segment.contains(mark.timestamp_ns)) within.push_back(mark);
@@ -210,10 +202,11 @@ struct MarkedEnds {
 };
 
 // Returns the marks of the segment that shows both ends most often.
-MarkedEnds within_one_segment(MarkedEnds marks, const std::vector<TrackingSegment>& segments) {
+MarkedEnds within_one_segment(MarkedEnds marks,
+                              const std::vector<types::TrackingSegment>& segments) {
     if (segments.size() < 2) return marks;
     MarkedEnds best;
-    for (const TrackingSegment& segment : segments) {
+    for (const types::TrackingSegment& segment : segments) {
         MarkedEnds within{marks_within(marks.a, segment), marks_within(marks.b, segment)};
         if (within.num_keyframes() > best.num_keyframes()) best = std::move(within);
     }

@@ -8,12 +8,12 @@
 
 #include "worker/dive/dive.hpp"
 #include "worker/evaluation/surface_index.hpp"
-#include "worker/evaluation/tracking_segments.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/path_uncertainty.hpp"
 #include "worker/types/pose_covariance.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rig.hpp"
+#include "worker/types/tracking_segment.hpp"
 
 namespace divemesh::evaluation {
 
@@ -41,10 +41,10 @@ struct KnownDistanceErrors {
 
 // A path and its uncertainty.
 struct KnownPath {
-    const types::Trajectory& trajectory;            // T_world_imu
-    const types::CovarianceTrack& covariances;      // of the trajectory; empty: unknown
-    double scale_sigma = types::kCalibrationSigma;  // of the path
-    std::vector<TrackingSegment> segments = {};     // of the trajectory; empty: it is one
+    const types::Trajectory& trajectory;                // T_world_imu
+    const types::CovarianceTrack& covariances;          // of the trajectory; empty: unknown
+    double scale_sigma = types::kCalibrationSigma;      // of the path
+    std::vector<types::TrackingSegment> segments = {};  // of the trajectory; empty: it is one
     double readout_time_s = 0.0;  // of a rolling shutter; the poses are those of the middle row
 };
 
@@ -58,10 +58,9 @@ struct MarkingInput {
     double tolerance_m = 0.03;  // nominal ends may lie this far below or above the true surface
 };
 
-// Returns the true path of a body whose cameras are mounted as on the estimated one: turned by how
-// the estimated body stands against the true one on average. The images were taken by the true
-// cameras, so points must be marked where these saw them, whatever the calibration says of their
-// mounting.
+// Returns the true path of a body with the cameras mounted as on the estimated one. The mean
+// rotation between both bodies gives the mounting. The true cameras took the images, so points must
+// be marked where those saw them.
 types::Trajectory with_mounting_of(const types::Trajectory& estimate,
                                    const types::Trajectory& ground_truth,
                                    const Eigen::Isometry3d& T_reference_estimate);

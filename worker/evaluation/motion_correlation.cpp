@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 
@@ -30,8 +31,7 @@ std::vector<double> rates(const types::Trajectory& trajectory, double step_s, bo
         const auto after = pose_at(trajectory, time_ns + base::to_ns(reach_s));
         if (!before || !after) continue;
         const Eigen::Isometry3d change = before->inverse() * *after;
-        result[i] = (of_rotation ? Eigen::AngleAxisd(change.linear()).angle()
-                                 : change.translation().norm()) /
+        result[i] = (of_rotation ? base::angle_rad(change.linear()) : change.translation().norm()) /
                     (2.0 * reach_s);
     }
     return result;
@@ -93,7 +93,7 @@ bool has_rotation(const types::Trajectory& trajectory) {
     return std::any_of(trajectory.begin(), trajectory.end(), [&](const types::StampedPose& pose) {
         const Eigen::Matrix3d R =
             trajectory.front().T_world_imu.linear().transpose() * pose.T_world_imu.linear();
-        return Eigen::AngleAxisd(R).angle() > kMinOrientationChange_rad;
+        return base::angle_rad(R) > kMinOrientationChange_rad;
     });
 }
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "worker/base/angle.hpp"
+#include "worker/base/rotation_vector.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/summary.hpp"
 
@@ -66,7 +67,7 @@ RelativePoseError relative_pose_error(const std::vector<PosePair>& poses,
             poses[from].T_world_body.inverse() * poses[to].T_world_body;
         const Eigen::Isometry3d error = truth.inverse() * estimate;
         translations_m.push_back(error.translation().norm());
-        angles_deg.push_back(Eigen::AngleAxisd(error.linear()).angle() * base::kDegPerRad);
+        angles_deg.push_back(base::angle_rad(error.linear()) * base::kDegPerRad);
     }
     RelativePoseError result;
     result.delta_m = options.delta_m;

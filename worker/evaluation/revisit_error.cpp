@@ -6,6 +6,7 @@
 #include <map>
 
 #include "worker/base/angle.hpp"
+#include "worker/base/rotation_vector.hpp"
 #include "worker/stats/summary.hpp"
 
 namespace divemesh::evaluation {
@@ -14,8 +15,6 @@ namespace {
 constexpr std::int64_t kMinRevisitInterval_ns = 10'000'000'000;
 constexpr double kReach_m = 0.5;
 constexpr double kMaxRotation_rad = 0.7853981633974483;
-
-double angle_rad(const Eigen::Matrix3d& R) { return Eigen::AngleAxisd(R).angle(); }
 
 // The earlier poses, indexed by true position in cubes of kReach_m.
 class VisitedPlaces {
@@ -49,8 +48,8 @@ private:
         return pairs_[index].T_reference_body.translation();
     }
     double rotation_rad(std::size_t a, std::size_t b) const {
-        return angle_rad(pairs_[a].T_reference_body.linear().transpose() *
-                         pairs_[b].T_reference_body.linear());
+        return base::angle_rad(pairs_[a].T_reference_body.linear().transpose() *
+                               pairs_[b].T_reference_body.linear());
     }
     static Cell cell_of(const Eigen::Vector3d& point) {
         const Eigen::Vector3d cell = (point / kReach_m).array().floor();
@@ -79,7 +78,7 @@ std::optional<RevisitError> revisit_error(const std::vector<PosePair>& pairs) {
             pairs[*before].T_world_body.inverse() * pairs[i].T_world_body;
         translations_m.push_back((truth.translation() - estimate.translation()).norm());
         rotations_deg.push_back(base::kDegPerRad *
-                                angle_rad(truth.linear().transpose() * estimate.linear()));
+                                base::angle_rad(truth.linear().transpose() * estimate.linear()));
     }
     if (translations_m.empty()) return std::nullopt;
     return RevisitError{static_cast<std::int64_t>(translations_m.size()),

@@ -15,7 +15,7 @@ struct ScaleCheck {
     double sigma = 0.0;  // standard deviation, from the spread of the residuals
 };
 
-// Says whether a scale is more than three of its sigmas from 1.
+// Returns true if a scale is more than three of its sigmas from 1.
 bool is_contradicted(const ScaleCheck& check);
 
 // Compares the accelerometer with the path. Both are weighted by windows w(t) = sin^4(pi t / T)

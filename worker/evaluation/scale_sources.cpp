@@ -47,7 +47,7 @@ public:
             return leave_out(name,
                              "the motion determines too little: sigma would be " +
                                  base::fixed(100.0 * check->sigma, 1) + " % of the scale");
-        result_.told.push_back({name, *check});
+        result_.usable.push_back({name, *check});
     }
     void leave_out(const std::string& name, const std::string& reason) {
         result_.left_out.push_back({"scale." + name, reason});

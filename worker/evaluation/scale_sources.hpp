@@ -40,16 +40,16 @@ struct LengthData {
 
 // The scale by all sources, without the error of the cameras' own scale.
 struct ScaleSources {
-    std::vector<ScaleSource> told;  // to 10 % or better
-    std::vector<LeftOut> left_out;  // the others
+    std::vector<ScaleSource> usable;  // to 10 % or better
+    std::vector<LeftOut> left_out;    // the others
 };
 
 // Returns the factor on the standard deviations of a path, by how far it misses its closed loops; 1
 // without loops, as there are no residuals then.
 double covariance_scale(const types::LoopStatistics& loops);
 
-// Returns what each source says of the scale of a path. All judgements of the scale read this: its
-// correction and what is stated of it.
+// Returns the scale of a path by each source. The correction of the scale and the report of it both
+// read this.
 ScaleSources scale_sources(const LengthData& lengths,
                            const types::Trajectory& trajectory,
                            const types::PathUncertainty& path,

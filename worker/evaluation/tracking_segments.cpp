@@ -31,12 +31,6 @@ double distance_m(const types::StampedPose& a, const types::StampedPose& b) {
 
 }  // namespace
 
-bool TrackingSegment::contains(std::int64_t timestamp_ns) const {
-    return std::any_of(intervals.begin(), intervals.end(), [&](const Interval& interval) {
-        return interval.first_ns <= timestamp_ns && timestamp_ns <= interval.last_ns;
-    });
-}
-
 std::vector<std::size_t> segment_numbers(const types::Trajectory& trajectory,
                                          const std::vector<types::Keyframe>& keyframes,
                                          const types::Breaks& breaks_ns) {
@@ -50,14 +44,14 @@ std::vector<std::size_t> segment_numbers(const types::Trajectory& trajectory,
     return numbers;
 }
 
-std::vector<TrackingSegment> segments_of(const types::Trajectory& trajectory,
-                                         const std::vector<types::Keyframe>& keyframes,
-                                         const types::Breaks& breaks_ns) {
+std::vector<types::TrackingSegment> segments_of(const types::Trajectory& trajectory,
+                                                const std::vector<types::Keyframe>& keyframes,
+                                                const types::Breaks& breaks_ns) {
     const std::vector<std::size_t> numbers = segment_numbers(trajectory, keyframes, breaks_ns);
-    std::vector<TrackingSegment> segments;
+    std::vector<types::TrackingSegment> segments;
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
         if (numbers[i] >= segments.size()) segments.resize(numbers[i] + 1);
-        TrackingSegment& segment = segments[numbers[i]];
+        types::TrackingSegment& segment = segments[numbers[i]];
         ++segment.num_frames;
         if (i == 0 || numbers[i - 1] != numbers[i])
             segment.intervals.push_back({trajectory[i].timestamp_ns, 0});
@@ -72,15 +66,20 @@ std::vector<TrackingSegment> segments_of(const types::Trajectory& trajectory,
     return segments;
 }
 
+std::size_t number_of_largest(const std::vector<types::TrackingSegment>& segments) {
+    const auto largest =
+        std::max_element(segments.begin(),
+                         segments.end(),
+                         [](const types::TrackingSegment& a, const types::TrackingSegment& b) {
+                             return a.num_frames < b.num_frames;
+                         });
+    return static_cast<std::size_t>(largest - segments.begin());
+}
+
 types::Trajectory largest_segment(const types::Trajectory& trajectory,
                                   const std::vector<types::Keyframe>& keyframes,
                                   const types::Breaks& breaks_ns) {
-    const std::vector<TrackingSegment> segments = segments_of(trajectory, keyframes, breaks_ns);
-    const auto largest = std::max_element(
-        segments.begin(), segments.end(), [](const TrackingSegment& a, const TrackingSegment& b) {
-            return a.num_frames < b.num_frames;
-        });
-    const auto wanted = static_cast<std::size_t>(largest - segments.begin());
+    const std::size_t wanted = number_of_largest(segments_of(trajectory, keyframes, breaks_ns));
     const std::vector<std::size_t> numbers = segment_numbers(trajectory, keyframes, breaks_ns);
     types::Trajectory result;
     for (std::size_t i = 0; i < trajectory.size(); ++i)

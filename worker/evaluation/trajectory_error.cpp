@@ -6,6 +6,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/base/angle.hpp"
+#include "worker/base/rotation_vector.hpp"
 #include "worker/evaluation/alignment.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 #include "worker/stats/median.hpp"
@@ -16,9 +17,7 @@ namespace {
 
 constexpr double kSegmentLengths_m[] = {1.0, 2.0, 5.0, 10.0};
 
-double angle_deg(const Eigen::Matrix3d& R) {
-    return Eigen::AngleAxisd(R).angle() * base::kDegPerRad;
-}
+double angle_deg(const Eigen::Matrix3d& R) { return base::angle_rad(R) * base::kDegPerRad; }
 
 // Returns the path length up to each pair.
 std::vector<double> path_lengths(const std::vector<PosePair>& pairs) {

@@ -299,7 +299,7 @@ void solve_axes(const types::Trajectory& estimate,
         svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
     double squares = 0.0;
     for (const Eigen::Matrix3d& rotation : rotations) {
-        const double angle = Eigen::AngleAxisd(R_body_marker.transpose() * rotation).angle();
+        const double angle = base::angle_rad(R_body_marker.transpose() * rotation);
         squares += angle * angle;
     }
     const auto count = static_cast<double>(rotations.size());

@@ -9,9 +9,9 @@
 
 namespace divemesh::features {
 
-// The score of each pixel says how well it can be localised: the smaller eigenvalue of the mean of
-// g g^T over the surrounding 5 x 5 pixels, g the gradient by Sobel's 3 x 3 (Shi and Tomasi, "Good
-// features to track", 1994). Keeps its buffers between images.
+// The score of each pixel measures how well it can be localised: the smaller eigenvalue of the mean
+// of g g^T over the surrounding 5 x 5 pixels, g the gradient by Sobel's 3 x 3 (Shi and Tomasi,
+// "Good features to track", 1994). Keeps its buffers between images.
 class CornerScores {
 public:
     static constexpr int kBorder_px = 3;    // score 0

@@ -22,8 +22,8 @@ struct DepthRange {
     }
 };
 
-// The depth ranges of a view, by square tiles of 4, 8 and 16 pixels. They tell what a view cannot
-// change without reading its pixels.
+// The depth ranges of a view, by square tiles of 4, 8 and 16 pixels. With them, blocks that a view
+// cannot change are skipped without reading its pixels.
 class DepthRanges {
 public:
     static constexpr int kNumLevels = 3;

@@ -50,7 +50,8 @@ private:
 };
 
 // Plans levels from what a dive's frames saw: a place is sampled as finely as the second-nearest
-// frame that saw it allows. What one frame alone saw near, such as a fish, refines nothing.
+// frame that saw it allows. A near object in only one frame, such as a fish, does not refine the
+// plan.
 class LevelPlanner {
 public:
     // `voxel_m` suits surface at `median_depth_m`.

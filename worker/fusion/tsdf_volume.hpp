@@ -22,10 +22,10 @@ namespace divemesh::fusion {
 // that it measures at the sample's own range, sigma_z = z^2 sigma_d / (f b), which avoids a bias
 // toward far readings, times a ramp at depth discontinuities and the cosine of incidence. Samples
 // are truncated at the larger of three voxels and two sigma. Views whose surface is farther behind
-// a sample than three voxels and four sigma look through it: they carve it with the same weight,
-// which removes what only a few views saw there, such as snow or fish. A place is sampled by the
-// blocks of its level in the plan; views too far away for that level only carve. Blocks that were
-// not in view lately are spilled to disk.
+// a sample than three voxels and four sigma carve the sample with the same weight, which removes
+// objects that only a few views saw there, such as snow or fish. A place is sampled by the blocks
+// of its level in the plan; views too far away for that level only carve. Blocks that were not in
+// view lately are spilled to disk.
 class TsdfVolume : public Volume {
 public:
     explicit TsdfVolume(VolumeSettings settings);
@@ -51,7 +51,7 @@ private:
     TsdfBlock& block(std::uint32_t number);
     const TsdfBlock& block(std::uint32_t number) const;
 
-    // Returns whether a sample is known well enough to be surface: enough views saw it, or one that
+    // Returns true if a sample is certain enough to be surface: enough views saw it, or one that
     // no other frame could have confirmed, and its sigma is small enough for its level.
     bool is_confirmed(const TsdfBlock& samples, int i, int level) const;
 

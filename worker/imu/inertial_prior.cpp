@@ -82,7 +82,6 @@ InertialPrior::InertialPrior(const types::Recording& recording,
       gyroscope_(options.use_imu && recording.rig().imu_noise && !imu_.empty()),
       accelerometer_(gyroscope_ && !left_out.accelerometer && measures_gravity(imu_)),
       ahrs_(options.use_ahrs && !orientations_.empty()),
-      ahrs_leads_(options.is_pairwise()),
       pressure_(options.use_pressure && !left_out.pressure && !recording.pressure().empty()),
       noise_(inflated(recording.rig().imu_noise.value_or(types::ImuNoise{}))) {}
 

@@ -29,8 +29,8 @@ struct SensorReadings {
 };
 
 // The measurements of the dive's inertial sensors. Rotation comes from the gyroscope if there is
-// one, else from the AHRS (with the pairwise estimator the AHRS first, as in the paper); motion
-// from gyroscope and accelerometer. Biases are learnt from vision during the dive.
+// one, else from the AHRS, unless the AHRS is to lead; motion from gyroscope and accelerometer.
+// Biases are learnt from vision during the dive.
 class InertialPrior {
 public:
     InertialPrior(const types::Recording& recording,
@@ -40,6 +40,9 @@ public:
     // Leaves out the IMU from a time on; nullopt: uses all samples again that were not left out at
     // the start.
     void leave_out_from(std::optional<std::int64_t> from_ns) { imu_ends_ns_ = from_ns; }
+
+    // Takes rotations from the AHRS where there is one, before the gyroscope, as the paper does.
+    void let_ahrs_lead() { ahrs_leads_ = true; }
 
     // Corrects all samples for `alignment`, as if the IMU were mounted as calibrated.
     void align(const types::ImuAlignment& alignment);
@@ -52,7 +55,7 @@ public:
 
     // Returns q_from_to of the body; nullopt if no sensor covers the interval.
     std::optional<types::KnownRotation> rotation(std::int64_t from_ns, std::int64_t to_ns) const;
-    // The same. If the AHRS has priority, it is the rotation from the estimated orientation
+    // The same. If the AHRS leads, it is the rotation from the estimated orientation
     // `q_world_imu` to that of the AHRS at `to_ns`, so that orientation drift does not last.
     std::optional<types::KnownRotation> rotation_from(const Eigen::Quaterniond& q_world_imu,
                                                       std::int64_t from_ns,
@@ -98,7 +101,7 @@ private:
     bool gyroscope_ = false;
     bool accelerometer_ = false;
     bool ahrs_ = false;
-    bool ahrs_leads_ = false;  // before the gyroscope, as in the paper
+    bool ahrs_leads_ = false;
     bool pressure_ = false;
     types::ImuNoise noise_;
     ImuBias bias_;

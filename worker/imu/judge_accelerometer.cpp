@@ -15,9 +15,9 @@ constexpr std::size_t kSpansOfForce = 2;  // on either side
 constexpr std::size_t kMinForces = 10;
 constexpr std::size_t kMaxForces = 60;
 constexpr std::size_t kLag = 4;  // forces: two seconds
-// A bias of a tenth turns with the rig, and images of little detail are off by as much.
+// A bias of a tenth rotates with the rig, and images of little detail are off by as much.
 constexpr double kWrongForce_m_s2 = 0.3;
-// Over slower frames the bias of the gyroscope, which is not taken out, turns gravity.
+// Over slower frames the bias of the gyroscope, which is not removed, rotates gravity.
 constexpr std::int64_t kMaxInterval_ns = 300'000'000;
 
 std::vector<Difference> last_forces(const std::vector<Difference>& forces) {

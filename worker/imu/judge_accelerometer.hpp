@@ -17,9 +17,9 @@ namespace divemesh::imu {
 //     d^2 u / dt^2 = -g
 //
 // is the same vector whatever the rig does. It is the second difference of u over two seconds:
-// positions so far apart tell it at any frame rate, whereas velocities from one frame to
+// positions so far apart measure it at any frame rate, whereas velocities from one frame to
 // the next have a noise that grows with the rate. An accelerometer with wrong axes measures a
-// gravity that turns with the rig.
+// gravity that rotates with the rig.
 class GravityByVision {
 public:
     // `samples` must outlive this, on the cameras' clock and in the body frame.
@@ -31,7 +31,7 @@ public:
     // chained of. Times that wrong_times() finds are left out. nullopt: fewer than six seconds
     // without a loss of vision, or fewer than three frames a second.
     std::optional<double> disagreement_m_s2() const;
-    // Returns the times in which the forces are not what they are before and after.
+    // Returns the times in which the forces differ from those before and after.
     std::vector<types::TimeInterval> wrong_times() const;
 
 private:
@@ -53,7 +53,7 @@ private:
     std::vector<std::vector<Difference>> runs_;
 };
 
-// The accelerometer does not fit if the disagreement is larger. A bias, which turns with the rig,
+// The accelerometer does not fit if the disagreement is larger. A bias, which rotates with the rig,
 // and the error of the velocities stay below: good units have 0.02 to 0.05.
 constexpr double kMaxGravityDisagreement_m_s2 = 0.35;
 

@@ -221,7 +221,7 @@ void for_each_mounting(const Visit& visit) {
 
 void name_mounting(const Eigen::Matrix3d& mounting, GyroscopeJudgement& judgement) {
     const bool mirrored = mounting.determinant() < 0.0;
-    judgement.fault = mirrored ? GyroscopeFault::Mirrored : GyroscopeFault::Turned;
+    judgement.fault = mirrored ? GyroscopeFault::Mirrored : GyroscopeFault::Rotated;
     judgement.axes = axes_where([&](int axis) { return mounting(axis, axis) != 1.0; });
 }
 

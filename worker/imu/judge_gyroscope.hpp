@@ -43,7 +43,7 @@ enum class GyroscopeFault {
     None,
     Unexplained,  // another dive's samples, or an offset of more than a second
     Mirrored,     // `axes`
-    Turned,       // `axes`: not mounted as T_BS says
+    Rotated,      // `axes`: not mounted as T_BS says
     Scaled,       // `scale`: units, range or rows that are missing
 };
 
@@ -66,15 +66,15 @@ constexpr double kMaxOffset_s = 1.0;
 //
 //     sum (v - R g)^2 / max(sum v^2, sum (R g)^2)
 //
-// with Huber weights, at the time offset where it is least. R is the rotation within 20 degrees
+// with Huber weights, at the time offset where it is smallest. R is the rotation within 20 degrees
 // that fits best (Kabsch, "A solution for the best rotation to relate two sets of vectors", 1976,
-// with a prior at no rotation); an axis about which neither turns counts as explained. `samples`
+// with a prior at no rotation); an axis about which neither rotates counts as explained. `samples`
 // are on the cameras' clock and in the body frame as far as both are known.
 GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
                                    const std::vector<RotationSpan>& spans);
 
-// Returns the times of the dive in which the gyroscope contradicts vision, though it fits as a
-// whole: the rates v - R g are not what they are before and after. Empty if it does not fit.
+// Returns the times in which a gyroscope that fits as a whole contradicts vision: v - R g differs
+// from its values before and after. Empty if the gyroscope does not fit.
 std::vector<types::TimeInterval> wrong_times(const std::vector<types::ImuSample>& samples,
                                              const std::vector<RotationSpan>& spans);
 

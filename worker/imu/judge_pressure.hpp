@@ -27,11 +27,11 @@ struct PressureJudgement {
 //
 //     change of depth = s (-change of z) + a (change of x) + b (change of y)
 //
-// where a and b, the tilt of the path, have a prior: small where another sensor tells the vertical.
-// The sensor contradicts vision if s is not 1 or if the changes do not fit whatever s is; waves
-// above and a scale that the cameras do not know well are no contradiction. A dive that hardly
-// changes its depth tells nothing. The tenth of the changes that fits worst is set aside: single
-// readings that are wrong do no harm.
+// where a and b, the tilt of the path, have a prior: small where another sensor measures the
+// vertical. The sensor contradicts vision if s is not 1 or if the changes do not fit whatever s is;
+// waves above and a scale that the cameras do not know well are no contradiction. A dive with
+// hardly any change of depth is not judged. The tenth of the changes that fits worst is set aside,
+// so that single wrong readings do no harm.
 PressureJudgement judge_pressure(const std::vector<types::PressureSample>& pressure,
                                  const types::Trajectory& trajectory,
                                  const types::Breaks& breaks_ns,

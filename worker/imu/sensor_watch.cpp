@@ -68,7 +68,7 @@ SensorWatch::SensorWatch(const types::Recording& recording,
 
 void SensorWatch::watch(const VisionMotion& motion, InertialPrior& inertial) {
     num_lost_ = 0;
-    const bool judged_already = plan_.left_out.imu && !plan_.imu_on_probation;
+    const bool judged_already = plan_.left_out.imu && !plan_.imu_unconfirmed;
     if (restart_) return;
     turns_.add(motion.rotation());
     if (samples_.empty() || judged_already) return;
@@ -89,12 +89,12 @@ void SensorWatch::lost_scene() {
     if (++num_lost_ < kNumLost || samples_.empty()) return;
     if (confirmed_ || plan_.imu_confirmed || plan_.left_out.imu || restart_) return;
     start_again(false);
-    restart_->imu_on_probation = true;
+    restart_->imu_unconfirmed = true;
 }
 
 void SensorWatch::start_again(bool with_imu) {
     restart_ = plan_;
-    restart_->imu_on_probation = false;
+    restart_->imu_unconfirmed = false;
     restart_->left_out.imu = !with_imu;
     restart_->imu_confirmed = with_imu;
 }
@@ -108,7 +108,7 @@ void SensorWatch::judge(InertialPrior& inertial) {
         start_again(true);
         restart_->left_out.accelerometer = true;
         restart_->gravity_disagreement_m_s2 = *disagreement;
-    } else if (plan_.imu_on_probation && disagreement) {
+    } else if (plan_.imu_unconfirmed && disagreement) {
         start_again(true);
     }
 }
@@ -136,7 +136,7 @@ void SensorWatch::take(const GyroscopeJudgement& judgement, InertialPrior& inert
 void SensorWatch::contradicted(const GyroscopeJudgement& judgement, InertialPrior& inertial) {
     if (!confirmed_) {
         const bool is_used = !plan_.left_out.imu;
-        plan_.imu_on_probation = false;
+        plan_.imu_unconfirmed = false;
         plan_.left_out.imu = true;
         plan_.gyroscope = judgement;
         if (is_used) start_again(false);
@@ -153,8 +153,8 @@ void SensorWatch::contradicted(const GyroscopeJudgement& judgement, InertialPrio
 
 std::optional<SensorPlan> SensorWatch::restart_at_end() const {
     SensorPlan plan = plan_;
-    if (plan_.imu_on_probation && confirmed_) {  // vision never lasted long enough to test gravity
-        plan.imu_on_probation = plan.left_out.imu = false;
+    if (plan_.imu_unconfirmed && confirmed_) {  // vision never lasted long enough to test gravity
+        plan.imu_unconfirmed = plan.left_out.imu = false;
         plan.imu_confirmed = plan.left_out.accelerometer = true;
         return plan;
     }

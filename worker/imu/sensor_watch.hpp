@@ -17,8 +17,8 @@ namespace divemesh::imu {
 struct SensorPlan {
     types::SensorsLeftOut left_out;
     double time_offset_s = 0.0;  // with which tracking starts, as in ImuAlignment
-    // The scene was lost before vision had confirmed the IMU: vision goes on alone until it has.
-    bool imu_on_probation = false;
+    // The scene was lost before vision confirmed the IMU: vision works alone until it does.
+    bool imu_unconfirmed = false;
     bool imu_confirmed = false;    // by an earlier attempt: it stays in use when the scene is lost
     GyroscopeJudgement gyroscope;  // why the plan differs from the dive as stated
     bool accelerometer_clipped = false;      // known before tracking; the dive reports it
@@ -33,7 +33,7 @@ struct SensorsUsed {
 };
 
 // A watch over the sensors while a dive is tracked. It compares them with motions that vision alone
-// measured and says when the dive has to be tracked again with another plan: a clock offset that
+// measured and decides when the dive has to be tracked again with another plan: a clock offset that
 // tracking cannot correct by itself, a sensor that contradicts the images, or an IMU that was left
 // out and fits after all.
 class SensorWatch {

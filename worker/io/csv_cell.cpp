@@ -1,5 +1,6 @@
 #include "worker/io/csv_cell.hpp"
 
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 namespace divemesh::io {
@@ -11,6 +12,11 @@ std::string csv_cell(std::string text) {
     std::string cell = "\"";
     for (const char c : text) cell.append(c == '"' ? 2 : 1, c);
     return cell + '"';
+}
+
+std::string csv_cell_of(const nlohmann::json& value) {
+    if (value.is_null()) return "";
+    return value.is_string() ? csv_cell(value.get<std::string>()) : value.dump();
 }
 
 }  // namespace divemesh::io

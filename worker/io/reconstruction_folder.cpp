@@ -77,6 +77,20 @@ std::vector<KeyframePose> ReconstructionFolder::keyframes() const {
     });
 }
 
+std::vector<types::TrackingSegment> ReconstructionFolder::segments() const {
+    return of_file(folder_ / "metrics.json", [&] {
+        std::vector<types::TrackingSegment> segments;
+        for (const json& stated : metrics_.value("pieces", json::array())) {
+            types::TrackingSegment& segment = segments.emplace_back();
+            segment.num_frames = stated.value("num_frames", std::int64_t{0});
+            for (const json& interval : stated.value("intervals", json::array()))
+                segment.intervals.push_back({interval.at("first_ns").get<std::int64_t>(),
+                                             interval.at("last_ns").get<std::int64_t>()});
+        }
+        return segments;
+    });
+}
+
 std::optional<Eigen::Isometry3d> ReconstructionFolder::T_imu_cam0() const {
     const json::json_pointer pointer("/calibration/T_imu_cam0");
     if (!metrics_.contains(pointer)) return std::nullopt;

@@ -12,6 +12,7 @@
 #include "worker/types/pose_covariance.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rig.hpp"
+#include "worker/types/tracking_segment.hpp"
 
 namespace divemesh::io {
 
@@ -39,6 +40,9 @@ public:
     types::Mesh mesh() const;  // mesh.ply, with normals, sigma and observation counts
     std::vector<KeyframePose> keyframes() const;
     nlohmann::json mosaic() const;  // mosaic.json
+    // Returns the frames and the intervals of the segments in the order of their numbers; empty for
+    // files of older versions.
+    std::vector<types::TrackingSegment> segments() const;
     // Returns the pose of the left camera on the body; nullopt for files of older versions.
     std::optional<Eigen::Isometry3d> T_imu_cam0() const;
     // Returns the rig that the poses belong to; nullopt for files of older versions.

@@ -16,8 +16,9 @@ struct MappingView {
 
 // The rule for which frames besides the keyframes are matched densely and fused. More observations
 // of a surface average the noise of its depth and confirm it. Neighbouring frames share much of
-// their error, so the image has to move between them, or the camera by as much as would move it so
-// far sideways: ahead of a camera that swims forward, or orbits, the image hardly moves.
+// their error. So a frame is taken only if the image has moved, or if the camera has moved as far
+// as would shift the image sideways by that much. The second rule serves cameras that swim forward
+// or orbit.
 class MappingRule {
 public:
     // `step` is the min movement as a fraction of the image width; 0: keyframes only.

@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/loops/max_clique.hpp"
 #include "worker/loops/strongest_loops.hpp"
 
@@ -31,7 +32,7 @@ public:
             between(a.from, b.from) * b.T_from_to * between(b.to, a.to);
         const double moved_m = (a.T_from_to.translation() - expected.translation()).norm();
         const double turned_rad =
-            Eigen::AngleAxisd(a.T_from_to.linear().transpose() * expected.linear()).angle();
+            base::angle_rad(a.T_from_to.linear().transpose() * expected.linear());
         const double position_sigma_m =
             std::hypot(std::hypot(drift_.position_sigma_m(a.from, b.from),
                                   drift_.position_sigma_m(a.to, b.to)),

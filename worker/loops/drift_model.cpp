@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
 
 namespace divemesh::loops {
@@ -109,8 +110,7 @@ bool DriftModel::allows(std::size_t a,
                         const Eigen::Isometry3d& expected,
                         double measured_sigma_m) const {
     const double moved_m = (T_a_b.translation() - expected.translation()).norm();
-    const double turned_rad =
-        Eigen::AngleAxisd(T_a_b.linear().transpose() * expected.linear()).angle();
+    const double turned_rad = base::angle_rad(T_a_b.linear().transpose() * expected.linear());
     return moved_m < kNumSigmas * std::hypot(position_sigma_m(a, b), measured_sigma_m) &&
            turned_rad < kNumSigmas * orientation_sigma_rad(a, b);
 }

@@ -12,8 +12,8 @@ namespace divemesh::loops {
 
 // A model of the track's drift between two keyframes: a fraction of the distance travelled plus,
 // while the scene was out of sight, the error of the inertial sensors, or without them the possible
-// motion of a diver. It also knows which keyframes the track connects itself, between which a loop
-// gives no new information.
+// motion of a diver. It also determines which keyframes the track itself connects; a loop between
+// them gives no new information.
 class DriftModel {
 public:
     // `inertial` is nullptr without inertial sensors.

@@ -4,6 +4,7 @@
 #include <deque>
 #include <optional>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/loops/consistent_loops.hpp"
 #include "worker/loops/find_candidates.hpp"
 #include "worker/loops/loop_verifier.hpp"
@@ -106,7 +107,7 @@ private:
                                  track_.statistics.median_depth_m;
             if (shift >= min_distance) continue;
             const double rotation_rad =
-                Eigen::AngleAxisd(T_world_cam.linear().transpose() * T_world_i.linear()).angle();
+                base::angle_rad(T_world_cam.linear().transpose() * T_world_i.linear());
             if (rotation_rad > kMaxRotation_rad || shift + 0.5 * rotation_rad >= min_distance)
                 continue;
             min_distance = shift + 0.5 * rotation_rad;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/features/described_keypoints.hpp"
+
 namespace divemesh::loops {
 
 InvertedIndex::InvertedIndex(const StoredKeypoints& keypoints) {

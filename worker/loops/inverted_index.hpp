@@ -3,7 +3,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/features/described_keypoints.hpp"
 #include "worker/loops/vocabulary.hpp"
 
 namespace divemesh::loops {

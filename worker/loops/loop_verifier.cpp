@@ -1,5 +1,6 @@
 #include "worker/loops/loop_verifier.hpp"
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/loops/match_keypoints.hpp"
 #include "worker/stats/median.hpp"
 
@@ -21,7 +22,7 @@ double median_depth_m(const std::vector<KnownPoint>& points) {
 bool same(const Eigen::Isometry3d& T_to_from, const Eigen::Isometry3d& T_from_to, double sigma_m) {
     const Eigen::Isometry3d round = T_to_from * T_from_to;
     return round.translation().norm() < 5.0 * sigma_m &&
-           Eigen::AngleAxisd(round.linear()).angle() < kMaxRotation_rad;
+           base::angle_rad(round.linear()) < kMaxRotation_rad;
 }
 
 }  // namespace

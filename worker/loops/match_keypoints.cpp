@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "worker/loops/nearest_two.hpp"
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/register_points.hpp"
 
@@ -14,25 +15,11 @@ constexpr double kTolerance_px = 4.0;  // corners are at whole pixels of their l
 constexpr std::size_t kMinAgreeing = 12;
 constexpr double kSigma_px = 1.0;  // of a corner's position, on its own level
 
-struct Nearest {
-    int index = -1;
-    int distance = 257;
-    int second_distance = 257;
-};
-
-void offer(Nearest& nearest, int index, int distance) {
-    if (distance < nearest.distance) {
-        nearest.second_distance = nearest.distance;
-        nearest.distance = distance;
-        nearest.index = index;
-    } else if (distance < nearest.second_distance) {
-        nearest.second_distance = distance;
-    }
-}
+using Nearest = NearestTwo<int>;  // by Hamming distance
+constexpr int kFarthest = 257;
 
 bool distinct(const Nearest& nearest) {
-    return nearest.distance <= kMaxHammingDistance &&
-           nearest.distance < kRatio * nearest.second_distance;
+    return nearest.first <= kMaxHammingDistance && nearest.first < kRatio * nearest.second;
 }
 
 types::Feature feature(const features::DescribedKeypoint& point) {
@@ -44,13 +31,13 @@ types::Feature feature(const features::DescribedKeypoint& point) {
 odometry::PointPairs match_keypoints(const types::RectifiedRig& rig,
                                      const features::DescribedKeypoints& a,
                                      const features::DescribedKeypoints& b) {
-    std::vector<Nearest> of_a(a.size());
-    std::vector<Nearest> of_b(b.size());
+    std::vector<Nearest> of_a(a.size(), Nearest(kFarthest));
+    std::vector<Nearest> of_b(b.size(), Nearest(kFarthest));
     for (std::size_t i = 0; i < a.size(); ++i) {
         for (std::size_t j = 0; j < b.size(); ++j) {
             const int distance = features::hamming_distance(a[i].descriptor, b[j].descriptor);
-            offer(of_a[i], static_cast<int>(j), distance);
-            offer(of_b[j], static_cast<int>(i), distance);
+            of_a[i].offer(static_cast<int>(j), distance);
+            of_b[j].offer(static_cast<int>(i), distance);
         }
     }
     odometry::PointPairs pairs;

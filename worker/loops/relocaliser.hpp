@@ -60,9 +60,9 @@ public:
     std::optional<features::DescribedKeypoints> keep(const types::RectifiedFrame& frame,
                                                      const types::Features& features,
                                                      const Eigen::Isometry3d& T_world_cam);
-    // Takes in the features that follow the scene's motion in a frame with this pose. A keyframe's
-    // features that are in sight of it and not among them may be on something that moves by itself,
-    // and no frame is recognised by them.
+    // Adds the features that follow the scene's motion in a frame with this pose. Other features of
+    // a keyframe that are in sight may belong to a dynamic object, so no frame is recognised by
+    // them.
     void confirm(const odometry::PointPairs& inliers, const Eigen::Isometry3d& T_world_cam);
     // Stores the frame as the previous one.
     void pass(const types::RectifiedFrame& frame);

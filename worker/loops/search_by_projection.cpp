@@ -5,8 +5,8 @@
 
 #include "worker/features/align_patch.hpp"
 #include "worker/features/plane_warp.hpp"
+#include "worker/odometry/num_cells.hpp"
 #include "worker/odometry/refine_pose.hpp"
-#include "worker/types/num_cells.hpp"
 
 namespace divemesh::loops {
 namespace {
@@ -68,7 +68,7 @@ types::Features find_inliers(const types::RectifiedRig& rig,
 }
 
 std::size_t num_cells_of(const types::RectifiedRig& rig, const types::Features& features) {
-    return types::num_cells(
+    return odometry::num_cells(
         rig, features, [](const types::Feature& feature) { return feature.pixel; });
 }
 

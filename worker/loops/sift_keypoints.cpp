@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "worker/features/match_sparse_stereo.hpp"
+#include "worker/loops/nearest_two.hpp"
 
 namespace divemesh::loops {
 namespace {
@@ -19,7 +21,7 @@ constexpr double kFirstSigma = 1.6;
 constexpr double kMaxPixels = 800'000.0;
 constexpr double kRatio = 0.8;
 constexpr double kGuidedShare = 0.125;  // of the image width
-// Standard deviation of a position by the keypoint's diameter, and the least, px.
+// Standard deviation of a position by the keypoint's diameter, and its min, px.
 constexpr double kSigmaShare = 0.1;
 constexpr double kMinSigma_px = 0.5;
 
@@ -52,27 +54,12 @@ Eigen::VectorXf root_of(const cv::Mat& row) {
     return (sift / std::max(1.0F, sift.sum())).cwiseSqrt();
 }
 
-// The nearest descriptor, by the cosine of the angle to it.
-struct Nearest {
-    Eigen::Index index = -1;
-    float cosine = -1.0F;
-    float second_cosine = -1.0F;
-};
-
-void offer(Nearest& nearest, Eigen::Index index, float cosine) {
-    if (cosine > nearest.cosine) {
-        nearest.second_cosine = nearest.cosine;
-        nearest.cosine = cosine;
-        nearest.index = index;
-    } else if (cosine > nearest.second_cosine) {
-        nearest.second_cosine = cosine;
-    }
-}
+using Nearest = NearestTwo<float, std::greater<float>>;  // by the cosine of the angle between
+constexpr float kFarthest = -1.0F;
 
 // Squared distances of unit vectors are 2 - 2 cos.
 bool distinct(const Nearest& nearest) {
-    return 1.0F - nearest.cosine <
-           static_cast<float>(kRatio * kRatio) * (1.0F - nearest.second_cosine);
+    return 1.0F - nearest.first < static_cast<float>(kRatio * kRatio) * (1.0F - nearest.second);
 }
 
 // Returns where a motion leads the points; empty without one.
@@ -118,22 +105,22 @@ odometry::PointPairs match_sift(const types::RectifiedRig& rig,
     const std::vector<Eigen::Vector2d> expected_px = expected_pixels(rig, a, T_b_a);
     const double radius_px = kGuidedShare * rig.width_px;
     const Eigen::MatrixXf cosines = a.descriptors.transpose() * b.descriptors;
-    std::vector<Nearest> of_a(a.points.size());
-    std::vector<Nearest> of_b(b.points.size());
+    std::vector<Nearest> of_a(a.points.size(), Nearest(kFarthest));
+    std::vector<Nearest> of_b(b.points.size(), Nearest(kFarthest));
     for (Eigen::Index j = 0; j < cosines.cols(); ++j) {
         for (Eigen::Index i = 0; i < cosines.rows(); ++i) {
             const auto from = static_cast<std::size_t>(i);
             const auto to = static_cast<std::size_t>(j);
             if (T_b_a && (b.points[to].pixel - expected_px[from]).norm() > radius_px) continue;
-            offer(of_a[from], j, cosines(i, j));
-            offer(of_b[to], i, cosines(i, j));
+            of_a[from].offer(static_cast<int>(j), cosines(i, j));
+            of_b[to].offer(static_cast<int>(i), cosines(i, j));
         }
     }
     odometry::PointPairs pairs;
     for (std::size_t i = 0; i < of_a.size(); ++i) {
         if (of_a[i].index < 0 || !distinct(of_a[i])) continue;
         const auto j = static_cast<std::size_t>(of_a[i].index);
-        if (of_b[j].index != static_cast<Eigen::Index>(i)) continue;
+        if (of_b[j].index != static_cast<int>(i)) continue;
         odometry::PointPair pair;
         pair.id = a.points[i].id;
         pair.previous_px = types::measurement_px(a.points[i]);

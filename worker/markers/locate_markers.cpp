@@ -14,9 +14,9 @@
 namespace divemesh::markers {
 namespace {
 
-constexpr double kSamePlace_px = 6.0;  // max initial disagreement between views of one tag
-constexpr double kMinGate_px = 0.75;   // rms of a view over its corners that is always accepted
-constexpr double kGate = 3.0;          // in medians
+constexpr double kMaxDisagreement_px = 6.0;  // between views of one tag at first
+constexpr double kMinGate_px = 0.75;  // rms of a view over its corners that is always accepted
+constexpr double kGate = 3.0;         // in medians
 constexpr std::size_t kMaxHypotheses = 40;
 
 std::vector<double> path_lengths(const std::vector<types::Keyframe>& keyframes) {
@@ -42,7 +42,7 @@ std::vector<CornerView> inlier_views(const std::vector<CornerView>& views) {
             if (!corners) continue;
             std::vector<CornerView> agreeing;
             for (const CornerView& view : views)
-                if (view.rms_px(*corners) < kSamePlace_px) agreeing.push_back(view);
+                if (view.rms_px(*corners) < kMaxDisagreement_px) agreeing.push_back(view);
             if (agreeing.size() > best.size()) best = std::move(agreeing);
         }
     }

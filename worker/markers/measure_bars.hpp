@@ -28,9 +28,9 @@ void leave_each_out(std::vector<BarMetrics>& bars);
 // m), with w = 1 / own sigma^2, m measured and k known; nullopt if no bar was measured.
 std::optional<MarkerScale> scale_of(const std::vector<BarMetrics>& bars);
 
-// Returns the scale by what is sure to have been measured: scale bars, and printed sizes whose
-// sigma is stated. Where there is nothing else, that of the other printed sizes, with the error of
-// a printer that fits a sheet to its page.
+// Returns the scale by scale bars and by printed sizes with a stated sigma, which were certainly
+// measured. Without those, returns the scale by the other printed sizes, with the error of a
+// printer that fits a sheet to its page.
 std::optional<MarkerScale> trusted_scale(const std::vector<BarMetrics>& bars);
 
 // Returns the reason why a result must not be scaled by this factor; nullopt if it may be.

@@ -162,7 +162,7 @@ std::vector<TagView> find_tags_in(types::Recording& recording,
     const camera::Rectifier rectifier(recording);
     std::vector<TagView> views;
     std::vector<KeyframePair> pairs;
-    const auto look = [&] {
+    const auto search = [&] {
         base::for_each_index(num_threads, pairs.size(), [&](std::size_t i) {
             look_at(rectifier, family, refined, pairs[i]);
         });
@@ -179,9 +179,9 @@ std::vector<TagView> find_tags_in(types::Recording& recording,
         while (next < keyframes.size() && keyframes[next].frame_index < frame->index) ++next;
         if (next == keyframes.size() || keyframes[next].frame_index != frame->index) continue;
         pairs.push_back({next++, std::move(*frame), {}});
-        if (pairs.size() == kPairsAtOnce) look();
+        if (pairs.size() == kPairsAtOnce) search();
     }
-    look();
+    search();
     return views;
 }
 

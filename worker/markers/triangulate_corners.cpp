@@ -1,9 +1,10 @@
 #include "worker/markers/triangulate_corners.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+
+#include "worker/base/nearest_to_rays.hpp"
 
 namespace divemesh::markers {
 namespace {
@@ -12,30 +13,22 @@ using Vector12 = Eigen::Matrix<double, 12, 1>;
 
 constexpr double kFar_px = 1e6;
 constexpr double kMinDepth_m = 0.01;
-constexpr double kReading_px = 0.1;  // best accuracy of reading a corner
+constexpr double kMinParallax = 1e-5;  // as in nearest_to_rays()
+constexpr double kReading_px = 0.1;    // best accuracy of reading a corner
 constexpr int kMaxIterations = 10;
 // RMS by which the last step of a solution may move the projections of a corner.
 constexpr double kMaxLastStep_px = 0.1 * kReading_px;
 
-std::optional<Eigen::Vector3d> nearest_to_rays(const std::vector<CornerView>& views,
-                                               std::size_t corner) {
-    Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
-    Eigen::Vector3d b = Eigen::Vector3d::Zero();
+std::vector<base::Ray> rays_of(const std::vector<CornerView>& views, std::size_t corner) {
+    std::vector<base::Ray> rays;
     for (const CornerView& view : views) {
         const Eigen::Vector2d on_plane =
             (view.corners_px[corner] - view.principal_px) / view.focal_px;
         const Eigen::Isometry3d T_world_cam = view.T_cam_world.inverse();
-        const Eigen::Vector3d ray =
-            (T_world_cam.linear() * Eigen::Vector3d(on_plane.x(), on_plane.y(), 1.0)).normalized();
-        const Eigen::Matrix3d across = Eigen::Matrix3d::Identity() - ray * ray.transpose();
-        A += across;
-        b += across * T_world_cam.translation();
+        rays.push_back({T_world_cam.translation(),
+                        T_world_cam.linear() * Eigen::Vector3d(on_plane.x(), on_plane.y(), 1.0)});
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(A);
-    constexpr double kMinParallax = 1e-5;  // mean squared sine between the rays
-    if (solver.eigenvalues()[0] < kMinParallax * static_cast<double>(views.size()))
-        return std::nullopt;
-    return A.ldlt().solve(b);
+    return rays;
 }
 
 // A Gauss-Newton step.
@@ -65,7 +58,7 @@ std::optional<Step> gauss_newton_step(const std::vector<CornerView>& views,
 // Returns nullopt if the iterations do not converge in front of the cameras.
 std::optional<Eigen::Vector3d> triangulate_corner(const std::vector<CornerView>& views,
                                                   std::size_t corner) {
-    auto point = nearest_to_rays(views, corner);
+    auto point = base::nearest_to_rays(rays_of(views, corner), kMinParallax);
     if (!point) return std::nullopt;
     double last_step_px = 0.0;
     for (int i = 0; i < kMaxIterations; ++i) {

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "schemas/error.hpp"
 #include "worker/mesh/cell_topology.hpp"
 #include "worker/mesh/crossed_cells.hpp"
 #include "worker/mesh/field_reader.hpp"
+#include "worker/mesh/run_phase.hpp"
 
 namespace divemesh::mesh {
 namespace {
@@ -53,17 +55,8 @@ public:
     }
 
 private:
-    template <typename Work>
-    void phase(double begin, double end, const Work& work) const {
-        base::ProgressShare share = settings_.progress;
-        share.report = [this](const Progress& progress) {
-            field_.release_memory();
-            settings_.progress.report(progress);
-        };
-        const double whole = share.end - share.begin;
-        share.end = share.begin + whole * end;
-        share.begin += whole * begin;
-        base::for_each_index(settings_.num_threads, blocks_.size(), share, work);
+    void phase(double begin, double end, const std::function<void(std::size_t)>& work) const {
+        run_phase(field_, settings_, begin, end, blocks_.size(), work);
     }
 
     void find_vertices(std::size_t block);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "worker/mesh/block_surroundings.hpp"
 #include "worker/mesh/field_reader.hpp"
 #include "worker/mesh/level_transitions.hpp"
+#include "worker/mesh/run_phase.hpp"
 
 namespace divemesh::mesh {
 namespace {
@@ -36,8 +38,12 @@ public:
     }
 
 private:
-    template <typename Work>
-    void phase(double begin, double end, std::size_t num, const Work& work) const;
+    void phase(double begin,
+               double end,
+               std::size_t num,
+               const std::function<void(std::size_t)>& work) const {
+        run_phase(field_, settings_, begin, end, num, work);
+    }
 
     void find_vertices(std::size_t block);
     int face_to_join(int level, int mask, const Eigen::Vector3i& cell) const;
@@ -72,19 +78,6 @@ private:
     std::vector<std::uint8_t> num_neighbours_;
     std::vector<std::uint8_t> on_border_;
 };
-
-template <typename Work>
-void SurfaceNets::phase(double begin, double end, std::size_t num, const Work& work) const {
-    base::ProgressShare share = settings_.progress;
-    share.report = [this](const Progress& progress) {
-        field_.release_memory();
-        settings_.progress.report(progress);
-    };
-    const double whole = share.end - share.begin;
-    share.end = share.begin + whole * end;
-    share.begin += whole * begin;
-    base::for_each_index(settings_.num_threads, num, share, work);
-}
 
 void SurfaceNets::find_vertices(std::size_t block) {
     BlockNet& net = nets_[block];

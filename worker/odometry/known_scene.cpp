@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "worker/odometry/support.hpp"
+#include "worker/stats/ratio.hpp"
 
 namespace divemesh::odometry {
 namespace {
@@ -21,10 +22,6 @@ constexpr double kMinShareOfPairs = 0.75;
 constexpr double kNear = 0.08;    // of the image width: features on the same part of the image
 constexpr double kInFront = 0.8;  // of the known depth
 constexpr std::size_t kMinCompared = 8;
-
-double share(std::size_t part, std::size_t whole) {
-    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 0.0;
-}
 
 std::unordered_set<std::int64_t> ids_of(const PointPairs& pairs) {
     std::unordered_set<std::int64_t> ids;
@@ -85,7 +82,8 @@ bool KnownScene::contradicts(const types::Features& previous,
                              const PointPairs& pairs,
                              const Registration& vision) const {
     const std::size_t num_known = known(pairs).size();
-    if (num_known >= kMinKnown && share(known(vision.inliers).size(), num_known) < kMinShareOfPairs)
+    if (num_known >= kMinKnown &&
+        stats::ratio(known(vision.inliers).size(), num_known) < kMinShareOfPairs)
         return true;
     const auto inliers = ids_of(vision.inliers);
     std::array<std::size_t, 2> num_in_sight = {};  // of other features, of known ones
@@ -99,8 +97,8 @@ bool KnownScene::contradicts(const types::Features& previous,
         if (inliers.contains(feature.id)) ++num_inliers[kind];
     }
     return num_in_sight[1] >= kMinKnown && num_inliers[0] > num_inliers[1] &&
-           share(num_inliers[1], num_in_sight[1]) <
-               kMinRelativeShare * share(num_inliers[0], num_in_sight[0]);
+           stats::ratio(num_inliers[1], num_in_sight[1]) <
+               kMinRelativeShare * stats::ratio(num_inliers[0], num_in_sight[0]);
 }
 
 bool KnownScene::confirms(const Registration& vision,

@@ -28,7 +28,7 @@ public:
 
     // Returns the pairs of known features.
     PointPairs known(const PointPairs& pairs) const;
-    // Returns true if the known features speak against the motion of `pairs`: it would leave enough
+    // Returns true if the known features contradict the motion of `pairs`: it would leave enough
     // of those in `previous` in sight, but was found by others, or many of them do not follow it.
     bool contradicts(const types::Features& previous,
                      const PointPairs& pairs,
@@ -39,9 +39,9 @@ public:
                   const std::optional<Eigen::Isometry3d>& expected) const;
     // Returns true if the feature has followed the scene's motion, however briefly.
     bool has_followed(std::int64_t id) const { return points_.contains(id); }
-    // Returns true if hardly a known feature supports a motion and those that do are on a surface
-    // in front of the known scene: it has come between. `T_world_previous` is the pose from which
-    // the motion leads to the current frame.
+    // Returns true if almost no known feature supports a motion and most of its inliers lie in
+    // front of the known scene: something passes in between. `T_world_previous` is the pose from
+    // which the motion leads to the current frame.
     bool is_hidden_behind(const Registration& vision,
                           const Eigen::Isometry3d& T_world_previous) const;
 

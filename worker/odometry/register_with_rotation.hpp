@@ -23,7 +23,8 @@ Registration register_with_rotation(const types::RectifiedRig& rig,
                                     double tolerance_px,
                                     std::uint64_t seed);
 
-// Returns the motion near the expected one on which pairs agree. Others may be more.
+// Returns the motion near the expected one on which pairs agree. More pairs may agree on another
+// motion.
 Registration register_near(const types::RectifiedRig& rig,
                            const PointPairs& pairs,
                            const std::optional<types::KnownRotation>& rotation,

@@ -3,8 +3,9 @@
 #include <utility>
 #include <vector>
 
+#include "worker/odometry/num_cells.hpp"
 #include "worker/stats/median.hpp"
-#include "worker/types/num_cells.hpp"
+#include "worker/stats/ratio.hpp"
 
 namespace divemesh::odometry {
 namespace {
@@ -23,8 +24,9 @@ constexpr double kMinUnexpectedShareFound = 0.15;
 constexpr double kNearPrediction_px = 4.0;
 constexpr std::size_t kMinCells = 6;  // cells of the image with an inlier
 
-double share(std::size_t part, std::size_t whole) {
-    return whole > 0 ? static_cast<double>(part) / static_cast<double>(whole) : 1.0;
+// Returns the share of a part; 1 if the whole is 0, because then no item is missing.
+double share_or_all(std::size_t part, std::size_t whole) {
+    return whole > 0 ? stats::ratio(part, whole) : 1.0;
 }
 
 // Returns the median distance of the pairs from where the motion predicts them, in the left image.
@@ -42,7 +44,7 @@ double median_error_px(const types::RectifiedRig& rig,
 }  // namespace
 
 std::size_t num_cells(const types::RectifiedRig& rig, const PointPairs& pairs) {
-    return types::num_cells(rig, pairs, [](const PointPair& pair) {
+    return num_cells(rig, pairs, [](const PointPair& pair) {
         return Eigen::Vector2d(pair.current_px.head<2>());
     });
 }
@@ -59,11 +61,12 @@ bool well_supported(const types::RectifiedRig& rig,
                     const std::optional<Eigen::Isometry3d>& expected) {
     const std::size_t num = motion.inliers.size();
     if (!motion.found || num_cells(rig, motion.inliers) < kMinCells) return false;
-    const bool most_agree = share(num, motion.num_pairs) >= kMinShareOfPairs;
+    const bool most_agree = share_or_all(num, motion.num_pairs) >= kMinShareOfPairs;
     if (!most_agree) return false;
     if (expected && is_near_prediction(rig, motion.inliers, *expected))
-        return num >= kMinSupportNearPrediction && share(num, num_previous) >= kMinShareFound;
-    return num >= kMinSupport && share(num, num_previous) >= kMinShareOfPrevious;
+        return num >= kMinSupportNearPrediction &&
+               share_or_all(num, num_previous) >= kMinShareFound;
+    return num >= kMinSupport && share_or_all(num, num_previous) >= kMinShareOfPrevious;
 }
 
 bool explained_by_chance(const types::RectifiedRig& rig,
@@ -71,10 +74,10 @@ bool explained_by_chance(const types::RectifiedRig& rig,
                          std::size_t num_previous,
                          const std::optional<Eigen::Isometry3d>& expected) {
     const std::size_t num = motion.inliers.size();
-    if (share(num, num_previous) < kMinShareFound) return true;
+    if (share_or_all(num, num_previous) < kMinShareFound) return true;
     if (expected && is_near_prediction(rig, motion.inliers, *expected)) return false;
-    return num < kMinUnexpected || share(num, motion.num_pairs) < kMinUnexpectedShare ||
-           share(num, num_previous) < kMinUnexpectedShareFound;
+    return num < kMinUnexpected || share_or_all(num, motion.num_pairs) < kMinUnexpectedShare ||
+           share_or_all(num, num_previous) < kMinUnexpectedShareFound;
 }
 
 }  // namespace divemesh::odometry

@@ -5,15 +5,9 @@
 
 #include "worker/base/angle.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/ratio.hpp"
 
 namespace divemesh::odometry {
-namespace {
-
-double share(double part, std::int64_t whole) {
-    return whole > 0 ? part / static_cast<double>(whole) : 0.0;
-}
-
-}  // namespace
 
 void TrackSummary::add_frame(const types::Features& features,
                              const Registration& motion,
@@ -52,10 +46,10 @@ types::TrackStatistics TrackSummary::statistics() const {
     result.num_frames_tracked = num_tracked_;
     result.num_degenerate_frames = num_degenerate_;
     result.mean_tracked_features =
-        share(static_cast<double>(num_features_), std::max<std::int64_t>(0, num_frames_ - 1));
-    result.inlier_share = share(static_cast<double>(num_inliers_), num_pairs_);
+        stats::ratio(num_features_, std::max<std::int64_t>(0, num_frames_ - 1));
+    result.inlier_share = stats::ratio(num_inliers_, num_pairs_);
     result.imu_vision_disagreement_deg =
-        std::sqrt(share(squared_disagreement_, num_disagreements_)) * base::kDegPerRad;
+        std::sqrt(stats::ratio(squared_disagreement_, num_disagreements_)) * base::kDegPerRad;
     result.horn_scale_median = scales_.empty() ? 1.0 : stats::upper_median(scales_);
     result.median_depth_m = stats::upper_median(depths_m_);
     std::vector<double> lives = lives_frames_;

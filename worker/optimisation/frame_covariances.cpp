@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/optimisation/covariance_between.hpp"
 #include "worker/optimisation/follow_keyframes.hpp"
 #include "worker/stats/median.hpp"
@@ -56,7 +57,7 @@ std::vector<Interval> intervals(const types::Trajectory& odometry,
         const Eigen::Isometry3d missed = T_from_to.inverse() *
                                          odometry[interval.from].T_world_imu.inverse() *
                                          odometry[interval.to].T_world_imu;
-        const double turned_rad = Eigen::AngleAxisd(missed.linear()).angle();
+        const double turned_rad = base::angle_rad(missed.linear());
         interval.missed = {missed.translation().squaredNorm() / 3.0, turned_rad * turned_rad / 3.0};
         result.push_back(interval);
     }

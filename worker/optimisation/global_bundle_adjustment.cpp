@@ -23,10 +23,6 @@ constexpr double kScaleSigma = 0.0015;
 constexpr std::size_t kMaxCovariances = 64;  // keyframes; covariances change slowly between them
 constexpr std::int64_t kRateInterval_ns = 20'000'000;
 
-Eigen::Vector3d measurement_px(const types::LandmarkObservation& seen) {
-    return {seen.u_px, seen.v_px, seen.disparity_px};
-}
-
 // Returns n such that every n-th landmark makes no more than kMaxObservations.
 std::size_t stride_for(const std::vector<types::Landmark>& landmarks) {
     std::size_t num_observations = 0;
@@ -48,7 +44,7 @@ double reprojection_rms_px(const types::RectifiedRig& rig,
             const auto& keyframe = keyframes[static_cast<std::size_t>(seen.keyframe)];
             const Eigen::Vector3d p_cam = keyframe.T_world_cam.inverse() * landmark.p_world;
             if (p_cam.z() < 0.02) continue;
-            squares += (rig.pixel(p_cam) - measurement_px(seen).head<2>()).squaredNorm();
+            squares += (rig.pixel(p_cam) - types::measurement_px(seen).head<2>()).squaredNorm();
             ++num;
         }
     }
@@ -178,7 +174,7 @@ GlobalBundleAdjustment adjust_globally(types::Track& track,
         for (const types::LandmarkObservation& seen : landmarks[i].observations)
             bundle_adjustment.add_observation(states[static_cast<std::size_t>(seen.keyframe)],
                                               landmarks[i].p_world,
-                                              measurement_px(seen),
+                                              types::measurement_px(seen),
                                               types::kFeatureSigma_px);
     for (const KnownMotion& motion : known)
         bundle_adjustment.add_motion(states[motion.to - 1],

@@ -7,12 +7,12 @@
 
 namespace divemesh::optimisation {
 
-// The marginalisation prior: what dropped measurements say about the remaining parameters, as a
-// Gaussian in square-root form,
+// The marginalisation prior: the information of dropped measurements about the remaining
+// parameters, as a Gaussian in square-root form,
 //
 //     r(x) = J (x - at) + r_at          - : the difference of each block's manifold
 //
-// J keeps its first linearisation, whatever x becomes, so that unobservable directions stay
+// J keeps its first linearisation while x changes, so that unobservable directions stay
 // unobservable (first-estimate Jacobians; Huang, Mourikis and Roumeliotis, "Observability-based
 // rules for designing consistent EKF SLAM estimators", 2010). Blocks are identified by the address
 // of their values.

@@ -38,8 +38,8 @@ struct SharedJacobian {
     // residuals are all observations.
     std::function<Eigen::Matrix3Xd(std::size_t observation)> of_observation;
     int num_columns = 0;
-    // What one unit of time adds to the kept blocks where sensors other than the cameras measure
-    // them: the derivative with respect to those sensors' clock. Empty: not wanted.
+    // The derivative of the kept blocks that sensors other than the cameras measure, with respect
+    // to the clock of those sensors. Empty: not wanted.
     Eigen::VectorXd by_time;  // one column more, the last one
     // The same for blocks that are held constant.
     struct Constant {
@@ -65,13 +65,13 @@ struct SharedScores {
 
 // The information about all blocks but the landmarks (H) and the variance of the landmarks' summed
 // scores (V). Each landmark's score counts as one sample, so any correlation of its errors between
-// images is included (Huber 1967; Liang and Zeger 1986). H is the derivative of the scores: beyond
-// Huber's bound a residual pulls with the same force however long it is, so it resists along its
-// direction not at all, and with its weight w only across it,
+// images is included (Huber 1967; Liang and Zeger 1986). H is the derivative of the scores. Beyond
+// Huber's bound the force of a residual does not depend on its length, so it has stiffness w across
+// its direction and none along it:
 //
 //     D = w (I - r r^T / |r|^2)
 //
-// which errors in all directions make w (m - 1) / m on average (m rows; Huber, "Robust Statistics",
+// For errors in all directions the mean of D is w (m - 1) / m (m rows; Huber, "Robust Statistics",
 // 1981, 7.6). The inertial sensors are taken to have their stated noise. The covariance is
 //
 //     P = H^-1 V H^-1

@@ -7,11 +7,12 @@
 
 namespace divemesh::optimisation {
 
-// Errors that are fixed in the image: what a lens leaves that its model cannot follow (Schoeps et
-// al., "Why having 10,000 parameters in your camera model is better than twelve", 2020). A field of
-// (u, v, disparity) that is linear between the nodes of a grid.
+// Errors that are fixed in the image: the part of a lens that its model does not describe (Schoeps
+// et al., "Why having 10,000 parameters in your camera model is better than twelve", 2020). A field
+// of (u, v, disparity) that is linear between the nodes of a grid. Finer fields carry less
+// information about the path, coarser ones are part of the lens model.
 constexpr int kFieldColumns = 7;
-constexpr int kFieldRows = 5;  // finer fields tell less of the path, coarser ones are the lens's
+constexpr int kFieldRows = 5;
 constexpr int kFieldSize = 3 * kFieldColumns * kFieldRows;
 
 // Returns d(u, v, disparity)/d(nodes) at a measurement in the rectified image.

@@ -16,10 +16,6 @@ constexpr double kOutlier = 5.0;     // in sigmas, per measurement
 constexpr double kMinShift = 0.002;  // of the image width, median; below it the camera stands still
 const Eigen::Vector3d kLandmarkSigma_px = 0.5 * types::kFeatureSigma_px;  // of an adjusted landmark
 
-Eigen::Vector3d measurement_px(const types::LandmarkObservation& seen) {
-    return {seen.u_px, seen.v_px, seen.disparity_px};
-}
-
 bool seen_at(const types::LandmarkObservation& seen, std::size_t keyframe) {
     return static_cast<std::size_t>(seen.keyframe) == keyframe;
 }
@@ -30,7 +26,7 @@ bool fits(const types::RectifiedRig& rig,
           const types::LandmarkObservation& seen) {
     const Eigen::Vector3d p_cam = T_cam_world * landmark.p_world;
     if (p_cam.z() < 0.02) return false;
-    Eigen::Vector3d error = types::project_px(rig, p_cam) - measurement_px(seen);
+    Eigen::Vector3d error = types::project_px(rig, p_cam) - types::measurement_px(seen);
     if (seen.disparity_px <= 0.0F) error.z() = 0.0;
     return error.cwiseQuotient(types::kFeatureSigma_px).cwiseAbs().maxCoeff() < kOutlier;
 }
@@ -187,7 +183,7 @@ void SlidingWindow::add_observations(BundleAdjustment& bundle_adjustment,
         const types::LandmarkObservation& seen = landmark.observations[i];
         bundle_adjustment.add_observation(entries_[static_cast<std::size_t>(seen.keyframe)].state,
                                           landmark.p_world,
-                                          measurement_px(seen),
+                                          types::measurement_px(seen),
                                           types::kFeatureSigma_px);
     }
 }

@@ -18,7 +18,7 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr std::size_t kMaxPairs = 48;
-constexpr std::size_t kPairsAtOnce = 12;  // also the fewest of a longer dive
+constexpr std::size_t kPairsAtOnce = 12;  // also the min of a longer dive
 constexpr std::size_t kMinMatches = 2000;
 constexpr std::size_t kWindowsAtOnce = 6;
 constexpr int kFramesPerWindow = 8;  // of the dive; more windows would read frames twice

@@ -39,10 +39,12 @@ std::string find_build_id(std::span<const unsigned char> notes) {
     return "";
 }
 
-// Searches one object. The first one is the program itself: returning a value other than 0 ends the
-// iteration there.
-int look(dl_phdr_info* object, std::size_t, void* found) {
-    auto& id = *static_cast<std::string*>(found);
+// Appends the id of one object. The first one is the program itself. Another one without a name is
+// the kernel's, which computes nothing here. Returns 0: the iteration goes on.
+int append_id(dl_phdr_info* object, std::size_t, void* found) {
+    auto& ids = *static_cast<std::string*>(found);
+    if (!ids.empty() && *object->dlpi_name == '\0') return 0;
+    std::string id;
     for (int i = 0; i < object->dlpi_phnum && id.empty(); ++i) {
         const ElfW(Phdr)& segment = object->dlpi_phdr[i];
         if (segment.p_type != PT_NOTE) continue;
@@ -51,15 +53,16 @@ int look(dl_phdr_info* object, std::size_t, void* found) {
         const auto* notes = reinterpret_cast<const unsigned char*>(address);
         id = find_build_id({notes, segment.p_memsz});
     }
-    return 1;
+    ids += id;
+    return 0;
 }
 
 }  // namespace
 
 std::string build_id() {
-    std::string id;
-    dl_iterate_phdr(look, &id);
-    return id;
+    std::string ids;
+    dl_iterate_phdr(append_id, &ids);
+    return ids;
 }
 
 }  // namespace divemesh::pipeline

@@ -78,7 +78,7 @@ Finding corrected_finding(const evaluation::CombinedScale& scale) {
 // determine the scale better.
 void correct_scale_automatically(const std::vector<markers::TagView>& views, Reconstruction& made) {
     made.scale_correction = evaluation::scale_correction(
-        scale_sources(made).told, made.optimised.statistics.path.scale_sigma);
+        scale_sources(made).usable, made.optimised.statistics.path.scale_sigma);
     if (!made.scale_correction) return;
     scale_result(made.scale_correction->factor, made.scale_correction->sigma, made);
     made.optimised.findings.push_back(corrected_finding(*made.scale_correction));

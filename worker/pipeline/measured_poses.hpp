@@ -18,7 +18,7 @@ namespace divemesh::pipeline {
 // predictions.
 void bridge_by_imu(const imu::InertialPrior& inertial, types::Track& track);
 
-// Returns the frames, after the first, whose motion nothing measured.
+// Returns the frames, after the first, whose motion was not measured.
 types::Breaks breaks_of(const types::Track& track);
 
 // Returns for each frame whether its pose was measured: motions that were measured, one at least,

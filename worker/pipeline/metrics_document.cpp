@@ -211,11 +211,11 @@ json stereo(const types::SearchStatistics& dense) {
     return result;
 }
 
-json segments(const std::vector<evaluation::TrackingSegment>& segments) {
+json segments(const std::vector<types::TrackingSegment>& segments) {
     json result = json::array();
-    for (const evaluation::TrackingSegment& segment : segments) {
+    for (const types::TrackingSegment& segment : segments) {
         json intervals = json::array();
-        for (const evaluation::TrackingSegment::Interval& interval : segment.intervals)
+        for (const types::TrackingSegment::Interval& interval : segment.intervals)
             intervals.push_back({{"first_ns", interval.first_ns}, {"last_ns", interval.last_ns}});
         result.push_back({{"num_frames", segment.num_frames},
                           {"num_keyframes", segment.num_keyframes},

@@ -12,7 +12,6 @@
 #include "worker/evaluation/evaluation.hpp"
 #include "worker/evaluation/expected_accuracy.hpp"
 #include "worker/evaluation/imu_check.hpp"
-#include "worker/evaluation/tracking_segments.hpp"
 #include "worker/markers/marker_metrics.hpp"
 #include "worker/mesh/image_coverage.hpp"
 #include "worker/mesh/mesh_borders.hpp"
@@ -24,6 +23,7 @@
 #include "worker/types/rig.hpp"
 #include "worker/types/rig_alignment.hpp"
 #include "worker/types/track.hpp"
+#include "worker/types/tracking_segment.hpp"
 
 namespace divemesh::pipeline {
 
@@ -64,7 +64,7 @@ struct MetricsInput {
     std::int64_t num_frames_by_imu = 0;     // the IMU alone measured the motion to them
     std::int64_t num_frames_predicted = 0;  // nothing measured their pose
     double path_length_m = 0.0;             // of the final trajectory, over what was measured
-    std::vector<evaluation::TrackingSegment> segments;
+    std::vector<types::TrackingSegment> segments;
     std::optional<MeshMetrics> mesh;                // nullopt: no surface was requested
     std::optional<markers::MarkerMetrics> markers;  // nullopt: markers were not searched for
     std::optional<evaluation::CombinedScale> scale_correction;  // nullopt: not applied by itself

@@ -18,7 +18,7 @@ struct PredictedMotion {
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
     bool reliable = true;  // false: the rig may have moved otherwise since
 
-    // Returns the motion as far as it is evidence.
+    // Returns the predicted motion if it is reliable.
     std::optional<Eigen::Isometry3d> expected() const {
         return reliable ? std::optional(T_current_previous) : std::nullopt;
     }

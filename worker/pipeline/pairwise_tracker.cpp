@@ -22,7 +22,9 @@ PairwiseTracker::PairwiseTracker(const types::RectifiedRig& rig,
       motion_(rig, inertial_),
       dynamic_features_(rig),
       keyframe_rule_(rig),
-      mapping_rule_(rig, options.surface ? options.map_step : 0.0) {}
+      mapping_rule_(rig, options.surface ? options.map_step : 0.0) {
+    inertial_.let_ahrs_lead();
+}
 
 // Steps 7 and 8 are fuse() and mesh(), after all poses are known.
 TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {

@@ -89,10 +89,10 @@ private:
     Eigen::Isometry3d motion_ = Eigen::Isometry3d::Identity();  // of the last step
 };
 
-calibration::RangeWindow track_window(const types::Recording& recording,
-                                      const camera::Rectifier& rectifier,
-                                      int first_frame,
-                                      int num_steps) {
+calibration::RangeWindow track_range_window(const types::Recording& recording,
+                                            const camera::Rectifier& rectifier,
+                                            int first_frame,
+                                            int num_steps) {
     WindowFeatures features(rectifier.rig());
     std::int64_t before_ns = 0;
     for (int i = 0; i <= num_steps; ++i) {
@@ -134,7 +134,7 @@ std::vector<calibration::RangeWindow> track_windows(const types::Recording& reco
     std::vector<calibration::RangeWindow> windows(first_frames.size());
     base::for_each_index(num_threads, windows.size(), [&](std::size_t i) {
         if (first_frames[i] + num_steps < recording.num_frames())
-            windows[i] = track_window(recording, rectifier, first_frames[i], num_steps);
+            windows[i] = track_range_window(recording, rectifier, first_frames[i], num_steps);
     });
     return windows;
 }

@@ -9,14 +9,13 @@
 #include "worker/loops/drift_model.hpp"
 #include "worker/mesh/extract_surface.hpp"
 #include "worker/pipeline/depth_view_prefetcher.hpp"
+#include "worker/pipeline/estimators.hpp"
 #include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/optimise_track.hpp"
-#include "worker/pipeline/pairwise_tracker.hpp"
 #include "worker/pipeline/sensor_findings.hpp"
 #include "worker/pipeline/solver_findings.hpp"
 #include "worker/pipeline/track_agreement.hpp"
 #include "worker/pipeline/tracking_findings.hpp"
-#include "worker/pipeline/window_tracker.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -100,9 +99,7 @@ types::Track track(types::Recording& recording,
                    const ReconstructionOptions& options,
                    const keyframes::KeyframeStore& store,
                    const base::ProgressCallback& progress) {
-    types::Track result = options.is_pairwise()
-                              ? track_pairwise(recording, options, store, progress)
-                              : track_window(recording, options, store, progress);
+    types::Track result = estimator_of(options).track(recording, options, store, progress);
     bridge_by_imu(imu::InertialPrior(recording, options, result.left_out), result);
     result.breaks_ns = breaks_of(result);
     drop_unmeasured_keyframes(result);
@@ -117,8 +114,8 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const types::RigAlignment& alignment,
                                const base::ProgressCallback& progress) {
     const auto untracked = too_little_tracked(track);
-    const bool whole_dive = !untracked && options.adjust_whole_dive && !options.is_pairwise() &&
-                            track.keyframes.size() >= 2;  // the paper ends before this
+    const bool whole_dive = !untracked && options.adjust_whole_dive &&
+                            estimator_of(options).adjusts_whole_dive && track.keyframes.size() >= 2;
     types::OptimisedTrack result =
         whole_dive ? optimise_track(track, recording, options, store, alignment, progress)
                    : as_tracked(track);

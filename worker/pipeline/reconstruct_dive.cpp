@@ -53,17 +53,22 @@ nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
         if (stage.part_of.empty()) request.stage_done({time.stage, time.wall_s, time.reused});
         base::return_freed_memory();
     };
-    run_stages(stages,
-               made,
-               {.keys = stage_keys(specs_of(stages),
-                                   DIVEMESH_VERSION + build_id(),
-                                   made.dive.content_sha256(),
-                                   request.options),
-                .scratch = request.scratch,
-                .resumable = request.resumable,
-                .store = store,
-                .progress = stage_progress,
-                .done = done});
+    const std::vector<StageSpec> specs = specs_of(stages);
+    run_stages(
+        stages,
+        made,
+        {.keys = stage_keys(
+             specs, DIVEMESH_VERSION + build_id(), made.dive.content_sha256(), request.options),
+         .scratch = request.scratch,
+         .resumable = request.resumable,
+         .store = store,
+         .progress = stage_progress,
+         .begin =
+             [&](std::size_t index) {
+                 made.known_options = options_known_to(index, specs, request.options);
+             },
+         .done = done});
+    made.known_options = request.options;
     auto document = write_documents(made);
     stage_progress.finish();
     return document;

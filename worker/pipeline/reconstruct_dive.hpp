@@ -31,7 +31,7 @@ struct ReconstructionRequest {
     std::string preset = "standard";
     ReconstructionOptions options;
     std::function<void(const StageRun&)> stage_done = [](const StageRun&) {};
-    // Called with the findings on the dive before anything is made of it, or refused.
+    // Called with the findings on the dive before it is reconstructed or refused.
     std::function<void(const std::vector<Finding>&)> dive_checked =
         [](const std::vector<Finding>&) {};
 };
@@ -39,8 +39,8 @@ struct ReconstructionRequest {
 // Reconstructs a dive: opens it, runs the table of stages (reconstruction_stages.hpp), and writes
 // trajectory, cloud, mesh, mosaic, keyframes, metrics.json and report.html; with options.surface
 // false only what follows from the trajectory. Returns the content of metrics.json. If no usable
-// model follows from the dive, its verdict says so and its findings why; what is known until then
-// is written nevertheless. Throws Error{BadData} with the first error among the findings on the
+// model results, the verdict states it, the findings give the reason, and the results so far are
+// written. Throws Error{BadData} with the first error among the findings on the
 // dive, Error{Cancelled}, Error{OutOfSpace}.
 nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
                                 const base::ProgressCallback& progress);

@@ -35,6 +35,7 @@ keyframes::KeyframeStore::LeftInColor rectified_left_images(const types::Recordi
 
 Reconstruction::Reconstruction(const ReconstructionRequest& made_for)
     : request(made_for),
+      known_options(request.options),
       opened_dive(open_dive(request)),
       dive(*opened_dive),
       recording(dive),

@@ -46,13 +46,16 @@ struct Reconstruction {
     types::RefinedCalibration refined() const;
     types::Rig used_rig() const;
 
-    const ReconstructionOptions& options() const { return request.options; }
+    const ReconstructionOptions& options() const { return known_options; }
     // Returns true once an error is among the findings on the track: no surface can follow.
     bool has_failed() const { return has_error(optimised.findings); }
     std::filesystem::path artifact(const std::string& name) const { return request.out / name; }
     std::filesystem::path scratch(const std::string& name) const { return request.scratch / name; }
 
     const ReconstructionRequest& request;
+    // Those that the stage that runs may read, see options_known_to(); before the first stage and
+    // after the last all of them.
+    ReconstructionOptions known_options;
     std::unique_ptr<dive::Dive> opened_dive;
     dive::Dive& dive;
     AlignedRecording recording;  // the dive with the rig that all stages after align use

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "worker/evaluation/surface_samples.hpp"
+#include "worker/evaluation/tracking_segments.hpp"
 #include "worker/pipeline/alignment_findings.hpp"
 #include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/metrics_document.hpp"
@@ -12,11 +13,11 @@
 namespace divemesh::pipeline {
 namespace {
 
-using Segments = std::vector<evaluation::TrackingSegment>;
+using Segments = std::vector<types::TrackingSegment>;
 
 double path_length_m(const Segments& segments) {
     double length_m = 0.0;
-    for (const evaluation::TrackingSegment& segment : segments) length_m += segment.path_length_m;
+    for (const types::TrackingSegment& segment : segments) length_m += segment.path_length_m;
     return length_m;
 }
 

@@ -19,7 +19,7 @@ std::vector<Stage<Reconstruction>> reconstruction_stages() {
 
         {.spec = {.name = "track", .share = 0.55,
                   .reads = {"stereo", "num_disparities_px", "stereo_scales", "num_features", "max_width_px", "estimator", "use_imu",
-                            "use_ahrs", "use_pressure", "close_loops", "align_imu", "surface", "map_step", "seed"},
+                            "use_ahrs", "use_pressure", "align_imu", "close_loops", "surface", "map_step", "seed"},
                   .files = {"track.stage", "keyframes"}},
          .load = load_track, .run = run_track, .save = save_track, .finish = finish_track},
 
@@ -48,6 +48,7 @@ std::vector<Stage<Reconstruction>> reconstruction_stages() {
                   .files = {"texture", "texture.stage"}},
          .wanted = surface_wanted, .load = load_texture, .run = run_texture, .save = save_texture, .finish = finish_texture},
 
+        // `exports` is read after all stages, when the artifacts are there.
         {.spec = {.name = "evaluate", .share = 0.07, .reads = {"exports"}, .is_evaluation = true}, .run = run_evaluate},
     };
 }

@@ -15,8 +15,9 @@ class Recovery {
 public:
     explicit Recovery(TrackingState& state) : state_(state) {}
 
-    // Returns what explains the frame better than `predicted`, or else that; a motion that chance
-    // explains is taken back. A frame that is recognised corrects the previous pose and features.
+    // Returns the observation that explains the frame best, `predicted` if there is no better one.
+    // Discards a motion that chance explains. A frame that is recognised corrects the previous pose
+    // and features.
     Observed recover(const types::RectifiedFrame& frame,
                      const PredictedMotion& prediction,
                      Observed predicted);

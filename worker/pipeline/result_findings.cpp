@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::size_t kMaxSegments = 8;  // listed one by one
 
-std::string list_of(const std::vector<evaluation::TrackingSegment>& segments) {
+std::string list_of(const std::vector<types::TrackingSegment>& segments) {
     std::string text;
     for (std::size_t i = 0; i < std::min(segments.size(), kMaxSegments); ++i)
         text += (i > 0 ? ", " : "") + base::fixed(segments[i].path_length_m, 2) + " m (" +
@@ -29,7 +29,7 @@ std::string reason_of(const evaluation::ExpectedAccuracy& expected, const std::s
 
 }  // namespace
 
-std::optional<Finding> segments_finding(const std::vector<evaluation::TrackingSegment>& segments) {
+std::optional<Finding> segments_finding(const std::vector<types::TrackingSegment>& segments) {
     if (segments.size() < 2) return std::nullopt;
     return Finding{Severity::Warning,
                    "dive_in_segments",

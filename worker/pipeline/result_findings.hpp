@@ -6,14 +6,14 @@
 
 #include "schemas/finding.hpp"
 #include "worker/evaluation/expected_accuracy.hpp"
-#include "worker/evaluation/tracking_segments.hpp"
 #include "worker/types/refined_calibration.hpp"
+#include "worker/types/tracking_segment.hpp"
 
-// What the user is told about the result as a whole: what is not known about it.
+// Findings about the result as a whole: what is not known about it.
 namespace divemesh::pipeline {
 
 // Returns a warning if the dive fell into segments.
-std::optional<Finding> segments_finding(const std::vector<evaluation::TrackingSegment>& segments);
+std::optional<Finding> segments_finding(const std::vector<types::TrackingSegment>& segments);
 
 // Returns a warning if no sensor and no known distance tested the scale.
 std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expected);

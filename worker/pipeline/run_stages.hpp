@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -20,6 +21,7 @@ struct StageRunSettings {
     bool resumable = true;          // whether stages save their results there
     StageStore& store;
     StageProgress& progress;
+    std::function<void(std::size_t index)> begin = [](std::size_t) {};
     std::function<void(const StageSpec&, const StageTime&)> done;
 };
 
@@ -71,8 +73,10 @@ void run_stages(const std::vector<Stage<State>>& stages,
     };
     double whole = 0.0;
     for (const Stage<State>& stage : stages) whole += wanted(stage) ? stage.spec.share : 0.0;
-    for (const Stage<State>& stage : stages) {
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+        const Stage<State>& stage = stages[i];
         if (!wanted(stage)) continue;
+        settings.begin(i);
         const StageSpec& spec = stage.spec;
         const Stopwatch watch;
         const auto progress = settings.progress.begin(

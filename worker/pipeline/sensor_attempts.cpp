@@ -33,7 +33,7 @@ bool SensorAttempts::again(const imu::SensorWatch& watch, const types::Track& tr
     plan_ = *other;
     if (++num_made_ + 1 == kMaxAttempts) {
         plan_.left_out.imu = true;  // then nothing asks for another attempt
-        plan_.imu_on_probation = false;
+        plan_.imu_unconfirmed = false;
         plan_.gyroscope.fault = imu::GyroscopeFault::None;
     }
     return true;
@@ -41,13 +41,13 @@ bool SensorAttempts::again(const imu::SensorWatch& watch, const types::Track& tr
 
 bool SensorAttempts::try_unconfirmed(std::int64_t num_measured, std::int64_t num_frames) {
     const auto num_lost = static_cast<double>(num_frames - num_measured);
-    if (tried_ || !plan_.imu_on_probation || num_lost < kMinLost * static_cast<double>(num_frames))
+    if (tried_ || !plan_.imu_unconfirmed || num_lost < kMinLost * static_cast<double>(num_frames))
         return false;
     tried_ = true;
     alone_ = plan_;
     num_measured_alone_ = num_measured;
     plan_.left_out.imu = false;
-    plan_.imu_on_probation = false;
+    plan_.imu_unconfirmed = false;
     plan_.imu_confirmed = true;
     return true;
 }

@@ -25,7 +25,7 @@ std::string cause(const imu::GyroscopeJudgement& judgement) {
         case imu::GyroscopeFault::Mirrored:
             return "the " + axis_or_axes(judgement.axes) + " of the IMU " +
                    (judgement.axes.size() > 1 ? "are exchanged or mirrored" : "is mirrored");
-        case imu::GyroscopeFault::Turned:
+        case imu::GyroscopeFault::Rotated:
             return "the IMU is not mounted as T_BS says: its " + axis_or_axes(judgement.axes) +
                    " point in other directions";
         case imu::GyroscopeFault::Scaled:
@@ -122,7 +122,7 @@ std::string cause(const imu::AhrsJudgement& judgement) {
                " ms " + (rotation.time_offset_s > 0.0 ? "ahead of" : "behind") +
                " that of the cameras";
     if (rotation.fault == imu::GyroscopeFault::Mirrored ||
-        rotation.fault == imu::GyroscopeFault::Turned)
+        rotation.fault == imu::GyroscopeFault::Rotated)
         return "its " + axis_or_axes(rotation.axes) + (rotation.axes.size() > 1 ? " are" : " is") +
                " exchanged or mirrored";
     return "its clock differs from that of the cameras by more than " +
@@ -186,9 +186,9 @@ std::vector<Finding> sensor_findings(const imu::SensorPlan& plan) {
     else if (!plan.left_out.ahrs_times.empty())
         findings.push_back(ahrs_left_out_for_a_time(plan));
     const bool explained = plan.gyroscope.fault != imu::GyroscopeFault::None;
-    if (plan.imu_on_probation || plan.left_out.imu) {
-        findings.push_back(plan.imu_on_probation || !explained ? imu_not_confirmed()
-                                                               : imu_left_out(plan.gyroscope));
+    if (plan.imu_unconfirmed || plan.left_out.imu) {
+        findings.push_back(plan.imu_unconfirmed || !explained ? imu_not_confirmed()
+                                                              : imu_left_out(plan.gyroscope));
         return findings;
     }
     if (plan.time_offset_s != 0.0) findings.push_back(clock_offset(plan.time_offset_s));

@@ -8,8 +8,8 @@
 
 namespace divemesh::pipeline {
 
-// Return what the user is told about sensors that do not fit the images: what is wrong, the likely
-// cause, and what was done.
+// Return the findings about sensors that do not fit the images: what is wrong, the likely cause,
+// and what was done.
 std::vector<Finding> sensor_findings(const imu::SensorPlan& plan);
 Finding pressure_left_out(const imu::PressureJudgement& judgement);
 

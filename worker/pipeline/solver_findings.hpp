@@ -9,11 +9,11 @@
 #include "worker/types/solver_outcome.hpp"
 #include "worker/types/track.hpp"
 
-// What the user is told about the solvers of tracking and optimisation.
+// Findings about the solvers of tracking and optimisation.
 namespace divemesh::pipeline {
 
 // Returns the findings about solvers that failed during tracking, and about motions between frames
-// that stopped at their limit while still moving. The window stops there on purpose.
+// that stopped at their limit while still moving. The sliding window stops there on purpose.
 std::vector<Finding> window_findings(const types::TrackStatistics& track);
 
 // Returns a warning if a solve failed, or if it stopped at its limit while still moving; otherwise

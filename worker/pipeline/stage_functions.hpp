@@ -9,7 +9,7 @@
 // stage. worker/pipeline/stage.hpp specifies load, run, save and finish.
 namespace divemesh::pipeline {
 
-// The position of the right camera as the images tell it; all later stages use it.
+// The position of the right camera as estimated from the images; all later stages use it.
 bool load_align(Reconstruction& made, const std::string& key);
 void run_align(Reconstruction& made, const base::ProgressCallback& progress);
 void save_align(Reconstruction& made, const std::string& key);

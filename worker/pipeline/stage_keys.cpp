@@ -48,4 +48,14 @@ StageKeys stage_keys(const std::vector<StageSpec>& stages,
     return keys;
 }
 
+ReconstructionOptions options_known_to(std::size_t index,
+                                       const std::vector<StageSpec>& stages,
+                                       const ReconstructionOptions& options) {
+    const nlohmann::json defaults = options_to_json({});
+    nlohmann::json known = options_to_json(options);
+    for (std::size_t later = index + 1; later < stages.size(); ++later)
+        for (const std::string& name : stages[later].reads) known[name] = defaults.at(name);
+    return make_options("standard", known);
+}
+
 }  // namespace divemesh::pipeline

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <string_view>
@@ -24,5 +25,12 @@ StageKeys stage_keys(const std::vector<StageSpec>& stages,
                      const std::string& program,
                      const std::string& content_sha256,
                      const ReconstructionOptions& options);
+
+// Returns the options as the stage at `index` may read them: those that only a later stage names
+// have their default. A stage that reads one of them too early thus ignores it, and never makes a
+// result that depends on what its key does not hold.
+ReconstructionOptions options_known_to(std::size_t index,
+                                       const std::vector<StageSpec>& stages,
+                                       const ReconstructionOptions& options);
 
 }  // namespace divemesh::pipeline

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/optimisation/covariance_between.hpp"
 #include "worker/optimisation/follow_keyframes.hpp"
 
@@ -71,9 +72,8 @@ double odometry_rms_sigmas(const types::Track& now, const loops::DriftModel& dri
             now.keyframes[k - 1].T_world_cam.inverse() * now.keyframes[k].T_world_cam;
         const double moved =
             (step.translation() - expected.translation()).norm() / drift.position_sigma_m(k - 1, k);
-        const double turned =
-            Eigen::AngleAxisd(step.linear().transpose() * expected.linear()).angle() /
-            drift.orientation_sigma_rad(k - 1, k);
+        const double turned = base::angle_rad(step.linear().transpose() * expected.linear()) /
+                              drift.orientation_sigma_rad(k - 1, k);
         squares += moved * moved + turned * turned;
         ++num;
     }

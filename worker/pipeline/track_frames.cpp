@@ -47,7 +47,7 @@ types::Track track_frames(types::Recording& recording,
                                                    : types::MotionSource::Nothing);
         result.features.push_back(tracked.features);
         report(progress, result.causal.size(), recording);
-        if (tracker.in_vain()) break;
+        if (tracker.must_restart()) break;
     }
     writer.finish();
     tracker.move_to(result);

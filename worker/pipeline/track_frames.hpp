@@ -41,14 +41,14 @@ public:
     virtual TrackedFrame process(const types::RectifiedFrame& frame) = 0;
     // Returns true if the dive has to be tracked again in another way, so that tracking the
     // remaining frames is useless.
-    virtual bool in_vain() const { return false; }
+    virtual bool must_restart() const { return false; }
     // Moves keyframes, landmarks, the IMU alignment and statistics to the track.
     virtual void move_to(types::Track& track) = 0;
 };
 
 // Reads all frames of a recording, rectifies each and passes it to `tracker`, whose rig is that of
 // `rectifier`. Writes the frames to map into `store` and reports progress after each frame. Stops
-// early if the tracker is in_vain().
+// early if must_restart() is true.
 types::Track track_frames(types::Recording& recording,
                           const camera::Rectifier& rectifier,
                           const ReconstructionOptions& options,

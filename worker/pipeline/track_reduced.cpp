@@ -1,9 +1,9 @@
 #include "worker/pipeline/track_reduced.hpp"
 
 #include <algorithm>
-#include <string>
 
 #include "worker/keyframes/keyframe_store.hpp"
+#include "worker/pipeline/estimators.hpp"
 #include "worker/pipeline/reconstruct.hpp"
 
 namespace divemesh::pipeline {
@@ -50,7 +50,8 @@ int better_reduction(const types::Track& track,
                      AlignedRecording& recording,
                      const base::ProgressCallback& progress) {
     const double unreduced = share_by_vision(track);
-    if (options.is_pairwise() || track.motions.size() < 2 || unreduced > kMaxUnreduced)
+    if (!estimator_of(options).tries_reductions || track.motions.size() < 2 ||
+        unreduced > kMaxUnreduced)
         return track.reduction;
     const auto all_is_done = [&](Progress at) {
         at.fraction = 1.0;
@@ -76,29 +77,6 @@ int better_reduction(const types::Track& track,
     recording.set_reduction(track.reduction);
     recording.rewind();
     return best;
-}
-
-Finding large_images_finding(int reduction) {
-    return {
-        Severity::Info,
-        "images_reduced",
-        "mav0/cam0/data",
-        "the images are wider than the option max_width_px, so the dive was reconstructed at 1/" +
-            std::to_string(reduction) +
-            " of their size; markers are searched in the smaller images too",
-        "to use every pixel, in several times the time, set max_width_px=0"};
-}
-
-Finding soft_images_finding(int reduction) {
-    return {
-        Severity::Warning,
-        "images_soft",
-        "mav0/cam0/data",
-        "vision lost the scene in larger images and followed it in images of 1/" +
-            std::to_string(reduction) +
-            " of the size, so the dive was reconstructed at that size and its surface is coarser: "
-            "turbid water, or lenses out of focus",
-        "go nearer, use more light from the side, or check the focus"};
 }
 
 }  // namespace divemesh::pipeline

@@ -2,7 +2,6 @@
 
 #include <filesystem>
 
-#include "schemas/finding.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "worker/base/observer.hpp"
 #include "worker/pipeline/aligned_recording.hpp"
@@ -23,10 +22,5 @@ int better_reduction(const types::Track& track,
                      const std::filesystem::path& scratch,
                      AlignedRecording& recording,
                      const base::ProgressCallback& progress);
-
-// Return what the user is told about images that were reduced: because of their size, or because
-// vision lost the scene in larger ones.
-Finding large_images_finding(int reduction);
-Finding soft_images_finding(int reduction);
 
 }  // namespace divemesh::pipeline

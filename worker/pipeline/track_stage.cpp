@@ -3,6 +3,7 @@
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 #include "worker/pipeline/track_reduced.hpp"
+#include "worker/pipeline/tracking_findings.hpp"
 
 namespace divemesh::pipeline {
 namespace {

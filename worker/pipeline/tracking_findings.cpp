@@ -224,4 +224,27 @@ std::vector<Finding> tracking_findings(const types::Track& track) {
     return findings;
 }
 
+Finding large_images_finding(int reduction) {
+    return {
+        Severity::Info,
+        "images_reduced",
+        "mav0/cam0/data",
+        "the images are wider than the option max_width_px, so the dive was reconstructed at 1/" +
+            std::to_string(reduction) +
+            " of their size; markers are searched in the smaller images too",
+        "to use every pixel, in several times the time, set max_width_px=0"};
+}
+
+Finding soft_images_finding(int reduction) {
+    return {
+        Severity::Warning,
+        "images_soft",
+        "mav0/cam0/data",
+        "vision lost the scene in larger images and followed it in images of 1/" +
+            std::to_string(reduction) +
+            " of the size, so the dive was reconstructed at that size and its surface is coarser: "
+            "turbid water, or lenses out of focus",
+        "go nearer, use more light from the side, or check the focus"};
+}
+
 }  // namespace divemesh::pipeline

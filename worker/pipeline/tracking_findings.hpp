@@ -6,7 +6,7 @@
 #include "schemas/finding.hpp"
 #include "worker/types/track.hpp"
 
-// What the user is told about frames whose motion was not measured.
+// Findings about frames whose motion was not measured, and about reduced images.
 namespace divemesh::pipeline {
 
 // The remedy where the cause of a loss is not known.
@@ -20,5 +20,10 @@ std::optional<Finding> too_little_tracked(const types::Track& track);
 // Returns the findings about lost motions: one on the whole, then one with cause and remedy for
 // each of the longest losses.
 std::vector<Finding> tracking_findings(const types::Track& track);
+
+// Return a finding about images that were reduced: because of their size, or because vision lost
+// the scene in larger ones.
+Finding large_images_finding(int reduction);
+Finding soft_images_finding(int reduction);
 
 }  // namespace divemesh::pipeline

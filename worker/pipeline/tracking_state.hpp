@@ -15,7 +15,7 @@
 
 namespace divemesh::pipeline {
 
-// What the window tracker knows between two frames; its steps and its recovery share it.
+// The state of the window tracker between two frames, shared by its steps and its recovery.
 struct TrackingState {
     TrackingState(const types::RectifiedRig& the_rig,
                   const types::Recording& recording,

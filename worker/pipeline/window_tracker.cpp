@@ -146,12 +146,12 @@ bool WindowTracker::note_sight(const odometry::Registration& vision,
                                const odometry::PointPairs& known) {
     if (!vision.found) {
         state_.memory.mark_lost();
-        if (!state_.map.empty() && !ever_found_) in_the_dark_ = true;
+        if (!state_.map.empty() && !ever_found_) lost_from_start_ = true;
         return false;
     }
     ever_found_ = true;
     if (known.size() >= odometry::kMinInliers) state_.memory.mark_found();
-    return std::exchange(in_the_dark_, false);
+    return std::exchange(lost_from_start_, false);
 }
 
 bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,

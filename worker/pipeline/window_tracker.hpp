@@ -26,7 +26,7 @@ public:
                   const imu::SensorPlan& plan);
 
     TrackedFrame process(const types::RectifiedFrame& frame) override;
-    bool in_vain() const override { return sensors_.restart().has_value(); }
+    bool must_restart() const override { return sensors_.restart().has_value(); }
     void move_to(types::Track& track) override;
 
     const imu::SensorWatch& sensors() const { return sensors_; }
@@ -44,8 +44,8 @@ private:
                          const Eigen::Isometry3d& T_current_previous);
     // Compares the sensors with what vision measured.
     void watch_sensors(const Observed& seen, std::int64_t before_ns, std::int64_t now_ns);
-    // Notes whether vision follows the scene, by pairs of features of which some are known. Returns
-    // true for the first frame that it follows after a start in the dark.
+    // Records whether vision follows the scene, by pairs of features of which some are known.
+    // Returns true for the first frame that it follows if the scene was lost from the start.
     bool note_sight(const odometry::Registration& vision, const odometry::PointPairs& known);
     // Keeps the frame as a keyframe if one is due, and looks for new features where they are few.
     // Returns true if it was kept.
@@ -64,7 +64,7 @@ private:
     keyframes::MappingRule mapping_rule_;
     std::optional<features::DescribedKeypoints> view_;  // of a keyframe, for loop closure
     bool ever_found_ = false;                           // vision has measured a motion
-    bool in_the_dark_ = false;  // vision has not followed the first keyframe
+    bool lost_from_start_ = false;  // vision has not followed the first keyframe
     odometry::TrackSummary summary_;
 };
 

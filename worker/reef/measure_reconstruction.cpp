@@ -19,12 +19,6 @@ double number_at(const json& metrics, const char* pointer) {
                                                                  : 0.0;
 }
 
-std::string csv_field(const json& value) {
-    if (value.is_null()) return "";
-    if (!value.is_string()) return value.dump();
-    return io::csv_cell(value.get<std::string>());
-}
-
 }  // namespace
 
 MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction) {
@@ -78,7 +72,7 @@ std::string metrics_csv(const json& metrics) {
         std::string row;
         for (const char* column : kColumns) {
             if (column != kColumns.front()) row += ",";
-            row += csv_field(metric.value(column, json()));
+            row += io::csv_cell_of(metric.value(column, json()));
         }
         csv += row + "\n";
     }

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/stats/distributions.hpp"
 #include "worker/stats/quantile.hpp"
 
 namespace divemesh::reef {
 namespace {
 
-constexpr double kQuartileOfNormal = 0.318639;  // lower quartile of |N(0, 1)|
 constexpr std::size_t kMinDifferences = 100;
 
 HeightGrid sigmas_at(const SurfacePatch& patch, const GridShape& shape) {
@@ -45,6 +45,7 @@ void NoiseLevel::add_along(const HeightGrid& heights,
 }
 
 double NoiseLevel::share() const {
+    static const double kQuartileOfNormal = stats::normal_quantile(0.625);  // lower, of |N(0, 1)|
     if (sizes_.size() < kMinDifferences) return 1.0;
     return std::min(1.0, stats::upper_quantile(sizes_, 0.25) / kQuartileOfNormal);
 }

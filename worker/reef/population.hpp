@@ -9,7 +9,7 @@
 namespace divemesh::reef {
 
 // Colonies of one label on the surveyed ground. They are a sample of the reef, so the intervals
-// tell what another survey of as much ground might count.
+// cover the count of another survey of as much ground.
 struct Population {
     std::vector<double> areas_m2;     // planar, one per colony
     std::vector<double> diameters_m;  // longest diameter, one per colony

@@ -15,7 +15,7 @@ struct Individual {
     std::optional<double> after;
 };
 
-// The intervals of these functions tell what another part of the same reef, as large, might show.
+// The intervals of these functions cover the changes on another part of the same reef, as large.
 // The same ground is surveyed twice, so unchanged colonies cancel and only the changes of colonies
 // vary.
 

@@ -94,7 +94,7 @@ std::string drawing_page(const io::ReconstructionFolder& model) {
             {"pixel_m", pixel_m},
             {"corner_x_m", mosaic.at("corner_x_m")},
             {"corner_y_m", mosaic.at("corner_y_m")},
-            {"picture", image_url(model.path() / "mosaic.png")},
+            {"image", image_url(model.path() / "mosaic.png")},
             {"heights",
              height_grid(
                  model.path() / "mosaic_height.png", mosaic.at("elevation"), pixel_m * width_px)}};

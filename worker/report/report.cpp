@@ -45,7 +45,7 @@ std::string report_html(const ReportInput& input) {
          {"version", text("/version")},
          {"preset", text("/preset")},
          {"verdict", verdict_values(input.metrics)},
-         {"picture", image},
+         {"image", image},
          {"accuracy", rows_values(accuracy_rows(input.metrics))},
          {"expected", rows_values(expected_rows(input.metrics))},
          {"path_from_above", svg_plot(path_from_above(error, input.trajectory))},

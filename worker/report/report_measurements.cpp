@@ -17,29 +17,14 @@ namespace {
 
 using nlohmann::json;
 
-// Returns the segments that metrics.json states; empty for files of older versions.
-std::vector<evaluation::TrackingSegment> segments_of(const json& metrics) {
-    std::vector<evaluation::TrackingSegment> segments;
-    for (const json& stated : metrics.value("pieces", json::array())) {
-        evaluation::TrackingSegment& segment = segments.emplace_back();
-        segment.num_frames = stated.value("num_frames", std::int64_t{0});
-        for (const json& interval : stated.value("intervals", json::array()))
-            segment.intervals.push_back({interval.at("first_ns").get<std::int64_t>(),
-                                         interval.at("last_ns").get<std::int64_t>()});
-    }
-    return segments;
-}
-
 // Returns the frames of the segment with the most frames, by metrics.json.
-types::Trajectory largest_segment(types::Trajectory trajectory, const json& metrics) {
-    const auto segments = segments_of(metrics);
+types::Trajectory largest_segment(const io::ReconstructionFolder& reconstruction) {
+    types::Trajectory trajectory = reconstruction.trajectory();
+    const auto segments = reconstruction.segments();
     if (segments.size() < 2) return trajectory;
-    const auto largest =
-        std::max_element(segments.begin(), segments.end(), [](const auto& a, const auto& b) {
-            return a.num_frames < b.num_frames;
-        });
+    const types::TrackingSegment& largest = segments[evaluation::number_of_largest(segments)];
     std::erase_if(trajectory, [&](const types::StampedPose& pose) {
-        return !largest->contains(pose.timestamp_ns);
+        return !largest.contains(pose.timestamp_ns);
     });
     return trajectory;
 }
@@ -63,7 +48,7 @@ public:
               ReportMeasurements& result)
         : inputs_(inputs), request_(request), result_(result) {
         result_.document = inputs.reconstruction.metrics();
-        result_.path = largest_segment(inputs.reconstruction.trajectory(), result_.document);
+        result_.path = largest_segment(inputs.reconstruction);
         result_.findings = inputs.findings;
     }
 
@@ -207,7 +192,7 @@ void Measuring::measure_distances() {
     const evaluation::KnownPath path{trajectory,
                                      covariances,
                                      inputs_.reconstruction.scale_sigma(),
-                                     segments_of(inputs_.reconstruction.metrics())};
+                                     inputs_.reconstruction.segments()};
     evaluation::KnownDistanceErrors errors;
     if (has_truth) {
         std::vector<std::int64_t> timestamps_ns;

@@ -216,8 +216,8 @@ std::string report_page(const json& report, const ReportMeasurements& measured) 
                    {"result", rows_values(result_rows(metrics))},
                    {"findings", findings_values(report.at("findings"))},
                    {"provenance", provenance(report)},
-                   {"num_figures", report.at("figures").size()},
-                   {"figures", all_metrics(report)}};
+                   {"num_metrics", report.at("figures").size()},
+                   {"metrics", all_metrics(report)}};
     values.update(plots(measured));
     return fill_template(accuracy_page_html(), values);
 }

@@ -84,7 +84,7 @@ void lower(nlohmann::json& options) {
 void AttemptRunner::run(const std::stop_token& stop) {
     const LeaseKeeper keeper(
         {.renew = [this] { return status_of_renewal(jobs_.renew(claim_.lease, config_.lease)); },
-         .look = [this] { return status_of_renewal(jobs_.look(claim_.lease)); }},
+         .check_lease = [this] { return status_of_renewal(jobs_.check_lease(claim_.lease)); }},
         {.lease = config_.lease,
          .renew_every = config_.renew_every,
          .check_every = config_.poll_every});

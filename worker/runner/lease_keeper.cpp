@@ -30,7 +30,7 @@ void LeaseKeeper::ask() {
     const auto now = std::chrono::steady_clock::now();
     const bool due = now - renewed_ >= times_.renew_every;
     try {
-        const LeaseStatus status = due ? calls_.renew() : calls_.look();
+        const LeaseStatus status = due ? calls_.renew() : calls_.check_lease();
         if (status == LeaseStatus::Lost) lost_ = true;
         if (status == LeaseStatus::CancelRequested) cancel_requested_ = true;
         if (due) renewed_ = now;

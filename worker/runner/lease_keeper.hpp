@@ -15,7 +15,8 @@ enum class LeaseStatus { Valid, CancelRequested, Lost };
 // Calls that renew or check a lease, made from the keeper's thread.
 struct LeaseCalls {
     std::function<LeaseStatus()> renew;
-    std::function<LeaseStatus()> look;  // without renewing: cheap, notices a cancel request quickly
+    // Checks without renewing: cheap, notices a cancel request quickly.
+    std::function<LeaseStatus()> check_lease;
 };
 
 struct LeaseTimes {

@@ -13,7 +13,6 @@ struct Jet {
 };
 
 inline Jet constant(double value) { return {value, 0.0, 0.0}; }
-inline Jet time_at(double t_s) { return {t_s, 1.0, 0.0}; }
 
 inline Jet operator+(const Jet& a, const Jet& b) {
     return {a.value + b.value, a.first + b.first, a.second + b.second};

@@ -47,7 +47,7 @@ public:
     // Renders camera 0 or 1 with the body at `T_world_imu`, with snow, fish and caustics at time
     // `t_s`.
     Rendering render(int camera, const Eigen::Isometry3d& T_world_imu, double t_s);
-    // Renders what a camera sees that looks into open water: the veil, and snow.
+    // Renders open water as a camera sees it: the veil, and snow.
     Rendering render_water(int camera, const Eigen::Isometry3d& T_world_imu, double t_s) const;
     // The range within which a triangle that camera 0 sees counts as seen; seen_triangles() covers
     // all images since construction.

@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
 
-int num_pieces(float length_m, float step_m) {
+int num_steps(float length_m, float step_m) {
     return std::max(1, static_cast<int>(std::lround(length_m / step_m)));
 }
 
@@ -64,8 +64,8 @@ void add_stick(Shape& shape,
     const Eigen::Vector3f axis = (b - a).normalized();
     const Eigen::Vector3f side = axis.unitOrthogonal();
     const Eigen::Vector3f other = axis.cross(side);
-    const int around = std::max(7, num_pieces(2.0F * kPi * radii_m[0], step_m));
-    const int along = num_pieces((b - a).norm(), step_m) + 2;
+    const int around = std::max(7, num_steps(2.0F * kPi * radii_m[0], step_m));
+    const int along = num_steps((b - a).norm(), step_m) + 2;
     add_grid(shape, around, along, [&](float u, float v) -> Eigen::Vector3f {
         const float angle = 2.0F * kPi * u;
         const float row = v * static_cast<float>(along);
@@ -86,8 +86,8 @@ Shape make_box(const Eigen::Vector3f& size_m, float step_m) {
     Shape shape;
     for (const Face& face : kFaces)
         add_grid(shape,
-                 num_pieces(size_m[face.u], step_m),
-                 num_pieces(size_m[face.v], step_m),
+                 num_steps(size_m[face.u], step_m),
+                 num_steps(size_m[face.v], step_m),
                  [&](float u, float v) -> Eigen::Vector3f {
                      return 0.5F * size_m.cwiseProduct(on_cube(face, u, v));
                  });
@@ -97,13 +97,13 @@ Shape make_box(const Eigen::Vector3f& size_m, float step_m) {
 Shape make_cylinder(float radius_m, float height_m, float step_m) {
     Shape shape;
     // A multiple of four, so that the ends of the diameters along x and y are vertices.
-    const int around = 4 * std::max(6, num_pieces(0.5F * kPi * radius_m, step_m));
-    const int across = num_pieces(radius_m, step_m);
+    const int around = 4 * std::max(6, num_steps(0.5F * kPi * radius_m, step_m));
+    const int across = num_steps(radius_m, step_m);
     const auto ring = [&](float u, float r, float z) {
         const float angle = 2.0F * kPi * u;
         return Eigen::Vector3f(r * std::cos(angle), r * std::sin(angle), z);
     };
-    add_grid(shape, around, num_pieces(height_m, step_m), [&](float u, float v) {
+    add_grid(shape, around, num_steps(height_m, step_m), [&](float u, float v) {
         return ring(u, radius_m, v * height_m);
     });
     add_grid(shape, around, across, [&](float u, float v) {
@@ -115,9 +115,9 @@ Shape make_cylinder(float radius_m, float height_m, float step_m) {
 
 Shape make_ellipsoid(const Eigen::Vector3f& radii_m, float step_m) {
     Shape shape;
-    const int pieces = std::max(4, num_pieces(0.5F * kPi * radii_m.maxCoeff(), step_m));
+    const int num_cells = std::max(4, num_steps(0.5F * kPi * radii_m.maxCoeff(), step_m));
     for (const Face& face : kFaces)
-        add_grid(shape, pieces, pieces, [&](float u, float v) -> Eigen::Vector3f {
+        add_grid(shape, num_cells, num_cells, [&](float u, float v) -> Eigen::Vector3f {
             return radii_m.cwiseProduct(on_cube(face, u, v).normalized());
         });
     return shape;
@@ -129,8 +129,8 @@ Shape make_height_field(const Rectangle& area,
                         const std::function<bool(float, float)>& leave_out) {
     Shape shape;
     add_grid(shape,
-             num_pieces(area.max_x - area.min_x, step_m),
-             num_pieces(area.max_y - area.min_y, step_m),
+             num_steps(area.max_x - area.min_x, step_m),
+             num_steps(area.max_y - area.min_y, step_m),
              [&](float u, float v) {
                  const float x = area.min_x + u * (area.max_x - area.min_x);
                  const float y = area.min_y + v * (area.max_y - area.min_y);

@@ -48,20 +48,20 @@ struct SimulateOptions {
     double marker_size_m = 0.12;  // as defined in docs/markers.md
     int num_threads = 0;          // 0: one per core
 
-    // What a dive is not to be. 1 or 0 here: as usual.
+    // Faults and conditions of the dive. The defaults change nothing.
     double speed = 1.0;               // times the scene's
     double sway = 1.0;                // times a diver's; 0: an even glide
     double swing_deg_s = 0.0;         // highest rate of a swing in yaw, 20 degrees to each side
     std::vector<Stretch> pauses;      // the rig is at rest; open paths only
-    std::vector<Stretch> blue_water;  // only water is seen
+    std::vector<Stretch> blue_water;  // the images show only water
     double light = 1.0;               // times the usual: less light, more noise
     double turbidity = 1.0;           // times attenuation and backscatter of the water
     double texture_contrast = 1.0;    // times that of the materials; 0: one tone each
     double snow_density = 1.0;        // times that of the water
     double fish_density = 1.0;        // times one fish for every four seconds
-    double stereo_offset_ms = 0.0;    // by which the right camera is later than its stamps
+    double stereo_offset_ms = 0.0;    // delay of the right camera that its timestamps do not show
     double calibration_error = 0.0;   // times typical: draw_calibration_error()
-    double vertical_misalignment_px = 0.0;  // of the rectified images, which nothing states
+    double vertical_misalignment_px = 0.0;  // of rectified images; not in the calibration
 };
 
 // Renders a dive with exact ground truth into `options.out`: images, IMU, AHRS, trajectory,

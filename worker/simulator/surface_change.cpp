@@ -69,22 +69,22 @@ std::vector<SurfaceChange> surface_changes(const Scene& before, const Scene& aft
                 (cells.at(cell).change_m > 0.0F) == (cells.at(next->first).change_m > 0.0F))
                 sets.join(index, next->second);
         }
-    std::map<std::size_t, SurfaceChange> pieces;
+    std::map<std::size_t, SurfaceChange> changes;
     for (const auto& [cell, changed] : cells) {
-        SurfaceChange& piece = pieces[sets.find(number.at(cell))];
+        SurfaceChange& change = changes[sets.find(number.at(cell))];
         const double cell_m2 = kSurfaceChangeCell_m * kSurfaceChangeCell_m;
-        piece.grown = changed.change_m > 0.0F;
-        piece.area_m2 += cell_m2;
-        piece.volume_m3 += cell_m2 * std::abs(static_cast<double>(changed.change_m));
-        piece.box_world.extend(Eigen::Vector2d(cell_center(cell.second), cell_center(cell.first)));
+        change.grown = changed.change_m > 0.0F;
+        change.area_m2 += cell_m2;
+        change.volume_m3 += cell_m2 * std::abs(static_cast<double>(changed.change_m));
+        change.box_world.extend(Eigen::Vector2d(cell_center(cell.second), cell_center(cell.first)));
         for (const std::size_t object : changed.objects)
             if (const auto& name = after.changes[object].name;
-                std::ranges::find(piece.names, name) == piece.names.end())
-                piece.names.push_back(name);
+                std::ranges::find(change.names, name) == change.names.end())
+                change.names.push_back(name);
     }
     std::vector<SurfaceChange> result;
-    result.reserve(pieces.size());
-    for (auto& [set, piece] : pieces) result.push_back(std::move(piece));
+    result.reserve(changes.size());
+    for (auto& [set, change] : changes) result.push_back(std::move(change));
     return result;
 }
 

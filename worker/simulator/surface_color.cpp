@@ -11,7 +11,7 @@ namespace {
 
 // The appearance of a material: two tones of the bare surface, patches of growth or stains,
 // blotches, and flecks of a centimetre or less.
-struct Look {
+struct Appearance {
     Rgb tone_a;
     Rgb tone_b;
     Rgb patch;
@@ -25,23 +25,23 @@ struct Look {
 };
 
 // clang-format off
-const Look kDeck     = {{.30F,.25F,.17F}, {.16F,.17F,.13F}, {.20F,.30F,.14F}, {.48F,.33F,.15F}, {.72F,.68F,.58F}, 0.25F, 0.42F, 0.55F, .55F, 0.9F};
-const Look kTimber   = {{.26F,.20F,.13F}, {.13F,.12F,.10F}, {.24F,.30F,.16F}, {.42F,.30F,.17F}, {.66F,.62F,.54F}, 0.30F, 0.45F, 0.55F, .60F, 0.6F};
-const Look kIron     = {{.28F,.15F,.08F}, {.17F,.14F,.11F}, {.34F,.32F,.20F}, {.42F,.24F,.10F}, {.68F,.62F,.52F}, 0.28F, 0.40F, 0.58F, .60F, 0.6F};
-const Look kSand     = {{.52F,.47F,.36F}, {.40F,.36F,.28F}, {.30F,.28F,.20F}, {.60F,.56F,.47F}, {.14F,.12F,.10F}, 0.45F, 0.50F, 0.50F, .55F, 0.7F};
-const Look kRock     = {{.30F,.28F,.24F}, {.18F,.18F,.16F}, {.30F,.20F,.24F}, {.22F,.30F,.15F}, {.66F,.63F,.58F}, 0.30F, 0.40F, 0.52F, .60F, 0.5F};
-const Look kCoral    = {{.44F,.37F,.22F}, {.13F,.12F,.08F}, {.42F,.22F,.26F}, {.24F,.34F,.18F}, {.74F,.70F,.60F}, 0.24F, 0.34F, 0.46F, .75F, 0.5F};
-const Look kBranch   = {{.52F,.42F,.26F}, {.40F,.28F,.20F}, {.60F,.50F,.40F}, {.36F,.28F,.30F}, {.80F,.76F,.66F}, 0.35F, 0.45F, 0.50F, .55F, 0.12F};
-const Look kSponge   = {{.55F,.40F,.08F}, {.42F,.28F,.06F}, {.34F,.20F,.10F}, {.62F,.50F,.16F}, {.12F,.09F,.05F}, 0.35F, 0.45F, 0.48F, .60F, 0.2F};
-const Look kBrick    = {{.40F,.19F,.13F}, {.31F,.15F,.11F}, {.46F,.26F,.18F}, {.24F,.12F,.09F}, {.66F,.60F,.54F}, 0.35F, 0.45F, 0.58F, .55F, 0.5F};
-const Look kCarpet   = {{.40F,.38F,.35F}, {.28F,.27F,.27F}, {.40F,.22F,.28F}, {.22F,.32F,.16F}, {.60F,.56F,.22F}, 0.18F, 0.25F, 0.40F, .60F, 0.4F};
-const Look kCardboard= {{.44F,.32F,.20F}, {.36F,.26F,.16F}, {.30F,.21F,.13F}, {.50F,.38F,.25F}, {.16F,.12F,.09F}, 0.40F, 0.48F, 0.55F, .50F, 0.35F};
-const Look kWood     = {{.38F,.25F,.12F}, {.26F,.16F,.08F}, {.17F,.10F,.05F}, {.46F,.32F,.17F}, {.10F,.06F,.03F}, 0.30F, 0.42F, 0.50F, .60F, 0.3F};
-const Look kDrum     = {{.42F,.44F,.42F}, {.34F,.36F,.36F}, {.30F,.18F,.10F}, {.50F,.50F,.46F}, {.10F,.10F,.10F}, 0.38F, 0.48F, 0.52F, .45F, 0.35F};
-const Look kPaint    = {{.78F,.78F,.76F}, {.70F,.70F,.68F}, {.58F,.56F,.50F}, {.66F,.65F,.62F}, {.42F,.40F,.36F}, 0.45F, 0.55F, 0.60F, .30F, 0.2F};
+const Appearance kDeck     = {{.30F,.25F,.17F}, {.16F,.17F,.13F}, {.20F,.30F,.14F}, {.48F,.33F,.15F}, {.72F,.68F,.58F}, 0.25F, 0.42F, 0.55F, .55F, 0.9F};
+const Appearance kTimber   = {{.26F,.20F,.13F}, {.13F,.12F,.10F}, {.24F,.30F,.16F}, {.42F,.30F,.17F}, {.66F,.62F,.54F}, 0.30F, 0.45F, 0.55F, .60F, 0.6F};
+const Appearance kIron     = {{.28F,.15F,.08F}, {.17F,.14F,.11F}, {.34F,.32F,.20F}, {.42F,.24F,.10F}, {.68F,.62F,.52F}, 0.28F, 0.40F, 0.58F, .60F, 0.6F};
+const Appearance kSand     = {{.52F,.47F,.36F}, {.40F,.36F,.28F}, {.30F,.28F,.20F}, {.60F,.56F,.47F}, {.14F,.12F,.10F}, 0.45F, 0.50F, 0.50F, .55F, 0.7F};
+const Appearance kRock     = {{.30F,.28F,.24F}, {.18F,.18F,.16F}, {.30F,.20F,.24F}, {.22F,.30F,.15F}, {.66F,.63F,.58F}, 0.30F, 0.40F, 0.52F, .60F, 0.5F};
+const Appearance kCoral    = {{.44F,.37F,.22F}, {.13F,.12F,.08F}, {.42F,.22F,.26F}, {.24F,.34F,.18F}, {.74F,.70F,.60F}, 0.24F, 0.34F, 0.46F, .75F, 0.5F};
+const Appearance kBranch   = {{.52F,.42F,.26F}, {.40F,.28F,.20F}, {.60F,.50F,.40F}, {.36F,.28F,.30F}, {.80F,.76F,.66F}, 0.35F, 0.45F, 0.50F, .55F, 0.12F};
+const Appearance kSponge   = {{.55F,.40F,.08F}, {.42F,.28F,.06F}, {.34F,.20F,.10F}, {.62F,.50F,.16F}, {.12F,.09F,.05F}, 0.35F, 0.45F, 0.48F, .60F, 0.2F};
+const Appearance kBrick    = {{.40F,.19F,.13F}, {.31F,.15F,.11F}, {.46F,.26F,.18F}, {.24F,.12F,.09F}, {.66F,.60F,.54F}, 0.35F, 0.45F, 0.58F, .55F, 0.5F};
+const Appearance kCarpet   = {{.40F,.38F,.35F}, {.28F,.27F,.27F}, {.40F,.22F,.28F}, {.22F,.32F,.16F}, {.60F,.56F,.22F}, 0.18F, 0.25F, 0.40F, .60F, 0.4F};
+const Appearance kCardboard= {{.44F,.32F,.20F}, {.36F,.26F,.16F}, {.30F,.21F,.13F}, {.50F,.38F,.25F}, {.16F,.12F,.09F}, 0.40F, 0.48F, 0.55F, .50F, 0.35F};
+const Appearance kWood     = {{.38F,.25F,.12F}, {.26F,.16F,.08F}, {.17F,.10F,.05F}, {.46F,.32F,.17F}, {.10F,.06F,.03F}, 0.30F, 0.42F, 0.50F, .60F, 0.3F};
+const Appearance kDrum     = {{.42F,.44F,.42F}, {.34F,.36F,.36F}, {.30F,.18F,.10F}, {.50F,.50F,.46F}, {.10F,.10F,.10F}, 0.38F, 0.48F, 0.52F, .45F, 0.35F};
+const Appearance kPaint    = {{.78F,.78F,.76F}, {.70F,.70F,.68F}, {.58F,.56F,.50F}, {.66F,.65F,.62F}, {.42F,.40F,.36F}, 0.45F, 0.55F, 0.60F, .30F, 0.2F};
 // clang-format on
 
-const Look& look_of(Material material) {
+const Appearance& appearance_of(Material material) {
     switch (material) {
         case Material::Deck: return kDeck;
         case Material::Timber: return kTimber;
@@ -95,7 +95,7 @@ Octaves octaves_at(const NoiseField& noise,
     return octaves;
 }
 
-Rgb natural_color(const Look& look, const Octaves& octaves) {
+Rgb natural_color(const Appearance& appearance, const Octaves& octaves) {
     const auto& o = octaves.value;
     const float tone = 0.5F + 0.5F * o[0][0] + 0.45F * o[1][0] + 0.35F * o[2][0] + 0.3F * o[3][0];
     const float patch = 0.55F * o[0][1] + 0.6F * o[1][1] + 0.45F * o[2][1] + 0.35F * o[3][1] +
@@ -105,16 +105,19 @@ Rgb natural_color(const Look& look, const Octaves& octaves) {
     const float fleck = 0.55F * o[4][3] + 0.65F * o[5][3] + 0.6F * o[6][3] + 0.5F * o[7][3];
     const float pits = 0.6F * o[4][0] + 0.7F * o[5][0] + 0.5F * o[6][0];
     const float grain = 0.5F * o[5][1] + 0.6F * o[6][1] + 0.6F * o[7][1] + 0.5F * o[8][1];
-    Rgb color = mix(look.tone_a, look.tone_b, std::clamp(tone, 0.0F, 1.0F));
-    color = mix(
-        color, look.patch, 0.8F * smooth_step(look.patch_level, look.patch_level + 0.14F, patch));
+    Rgb color = mix(appearance.tone_a, appearance.tone_b, std::clamp(tone, 0.0F, 1.0F));
     color = mix(color,
-                look.blotch,
-                0.85F * smooth_step(look.blotch_level, look.blotch_level + 0.1F, blotch));
-    color = mix(
-        color, look.fleck, 0.6F * smooth_step(look.fleck_level, look.fleck_level + 0.15F, fleck));
+                appearance.patch,
+                0.8F * smooth_step(appearance.patch_level, appearance.patch_level + 0.14F, patch));
+    color =
+        mix(color,
+            appearance.blotch,
+            0.85F * smooth_step(appearance.blotch_level, appearance.blotch_level + 0.1F, blotch));
+    color = mix(color,
+                appearance.fleck,
+                0.6F * smooth_step(appearance.fleck_level, appearance.fleck_level + 0.15F, fleck));
     color *= 1.0F - 0.45F * smooth_step(0.42F, 0.62F, pits);
-    return (color * (1.0F + 0.7F * look.grain * grain)).max(0.01F).min(0.95F);
+    return (color * (1.0F + 0.7F * appearance.grain * grain)).max(0.01F).min(0.95F);
 }
 
 // Returns 1 inside a stripe of `width` around multiples of `period`, blurred over the footprint.
@@ -215,7 +218,7 @@ Rgb surface_color(const SceneObject& object,
                   const Eigen::Vector3f& p_world,
                   const Eigen::Vector3f& normal_world,
                   float footprint_m) {
-    const Look& look = look_of(object.material);
+    const Appearance& appearance = appearance_of(object.material);
     const Eigen::Vector3f p = object.T_object_world * p_world;
     if (object.material == Material::Marker) return print_tag(object, p, footprint_m);
     const Eigen::Vector3f shift(static_cast<float>(object.seed % 97),
@@ -224,8 +227,8 @@ Rgb surface_color(const SceneObject& object,
     Eigen::Vector3f grained = p;
     if (object.material == Material::Wood || object.material == Material::Timber)
         grained.x() *= 0.45F;  // fibres run along x
-    Rgb color =
-        natural_color(look, octaves_at(noise, grained + shift, look.wavelength_m, footprint_m));
+    Rgb color = natural_color(
+        appearance, octaves_at(noise, grained + shift, appearance.wavelength_m, footprint_m));
     switch (object.material) {
         case Material::Brick: color = lay_bricks(color, object, p, footprint_m); break;
         case Material::Drum:

@@ -10,7 +10,7 @@ namespace divemesh::stereo {
 struct MatchingImages {
     cv::Mat left;       // CV_8UC1
     cv::Mat right;      // CV_8UC1
-    int tolerance = 1;  // grey values that mean nothing, see CensusSgm
+    int tolerance = 1;  // differences of grey value that count as noise, see CensusSgm
 };
 
 // Returns the images for matching, by the noise of the left one.

@@ -80,19 +80,9 @@ DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
         here, after, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16);
 }
 #endif
-struct PathMinima {
-    std::uint8_t of[4];
-};
-DIVEMESH_INLINE_BODY PathMinima path_minima(const V (&v)[4]) {
-    PathMinima minima;
-    for (int p = 0; p < 4; ++p) minima.of[p] = static_cast<std::uint8_t>(min_byte(v[p]));
-    return minima;
-}
-template <int p>
-DIVEMESH_INLINE_BODY std::uint8_t min_of_path(PathMinima minima) {
-    return minima.of[p];
-}
-DIVEMESH_INLINE_BODY V broadcast_last(PathMinima minima) { return broadcast(minima.of[3]); }
+
+#include "worker/stereo/sgm_minima.simd.hpp"
+
 // Returns the number of bits set in each nibble.
 DIVEMESH_INLINE_BODY V nibble_counts(V bits) {
     const V pairs = bits - ((bits >> 1) & broadcast(0x55));
@@ -187,19 +177,9 @@ DIVEMESH_INLINE_BODY V one_lower(V before, V here) {
 DIVEMESH_INLINE_BODY V one_upper(V here, V after) {
     return _mm256_alignr_epi8(_mm256_permute2x128_si256(here, after, 0x21), here, 1);
 }
-struct PathMinima {
-    std::uint8_t of[4];
-};
-DIVEMESH_INLINE_BODY PathMinima path_minima(const V (&v)[4]) {
-    PathMinima minima;
-    for (int p = 0; p < 4; ++p) minima.of[p] = static_cast<std::uint8_t>(min_byte(v[p]));
-    return minima;
-}
-template <int p>
-DIVEMESH_INLINE_BODY std::uint8_t min_of_path(PathMinima minima) {
-    return minima.of[p];
-}
-DIVEMESH_INLINE_BODY V broadcast_last(PathMinima minima) { return broadcast(minima.of[3]); }
+
+#include "worker/stereo/sgm_minima.simd.hpp"  // NOLINT(readability-duplicate-include): once per set
+
 DIVEMESH_INLINE_BODY V by_nibble(V table, V bits) {
     const V low = _mm256_set1_epi8(0x0f);
     return _mm256_add_epi8(

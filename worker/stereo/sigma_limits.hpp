@@ -2,7 +2,7 @@
 
 namespace divemesh::stereo {
 
-// The least sigma of a measured disparity, px: errors of calibration, interpolation and slant.
+// The min sigma of a measured disparity, px: errors of calibration, interpolation and slant.
 inline constexpr float kMinSigma_px = 0.15F;
 
 }  // namespace divemesh::stereo

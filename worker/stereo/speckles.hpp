@@ -12,7 +12,8 @@ void remove_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px);
 // The same, but makes them negative, i.e. unconfirmed winners of a matcher.
 void unconfirm_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px);
 
-// What tells a surface from a match by chance, which is an island too, and may be as large.
+// The support that distinguishes a surface from a chance match, which is an island too and may be
+// as large.
 struct IslandSupport {
     float certain_px = 0.17F;        // a smaller sigma is that of visible texture
     std::int32_t num_certain = 40;   // pixels, of visible texture

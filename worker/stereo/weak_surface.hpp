@@ -7,9 +7,9 @@
 
 namespace divemesh::stereo {
 
-// Surface between supported edges. Where texture is too weak to measure a disparity, a matcher's
-// winner is believed if the measured surface on opposite sides of it continues smoothly through it:
-// a hull or a wall between what is visible on it. Open water has surface on one side at most.
+// Surface between supported edges. Where texture is too weak to measure a disparity, a winner is
+// accepted if the measured surface on opposite sides of it continues smoothly through it: a hull or
+// a wall between what is visible on it. Open water has surface on one side at most.
 class WeakSurface {
 public:
     // Adds disparities where `disparity_px` (CV_32F) is 0, from `winners_px` (CV_32F, whatever the

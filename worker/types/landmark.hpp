@@ -14,6 +14,11 @@ struct LandmarkObservation {
     float disparity_px = 0.0F;  // <= 0: seen by the left camera alone
 };
 
+// Returns (u, v, disparity), what a stereo camera measures of a point.
+inline Eigen::Vector3d measurement_px(const LandmarkObservation& seen) {
+    return {seen.u_px, seen.v_px, seen.disparity_px};
+}
+
 // A point of the scene with all its observations; p_world in m.
 struct Landmark {
     Eigen::Vector3d p_world = Eigen::Vector3d::Zero();

@@ -57,7 +57,7 @@ public:
     virtual const std::vector<PressureSample>& pressure() const = 0;
     // Returns a mask (CV_8UC1, as recorded): 255 where left images show something that stays in
     // place while the scene moves, such as text, a part of the rig or the border of a round image.
-    // Empty: nothing does.
+    // Empty: no such pixels.
     virtual const cv::Mat& fixed_pattern() const = 0;
 
     // Returns the next pair that decodes; nullopt at the end. Frames that do not decode are

@@ -24,7 +24,7 @@ struct RectifiedRig {
     Eigen::Vector2d pixel(const Eigen::Vector3d& p_cam) const {
         return {focal_px * p_cam.x() / p_cam.z() + cx_px, focal_px * p_cam.y() / p_cam.z() + cy_px};
     }
-    // Returns whether the left camera has a point in its image, and not too near to focus on.
+    // Returns true if a point is inside the left image and at least kMinDepth_m away.
     bool is_in_sight(const Eigen::Vector3d& p_cam) const {
         if (p_cam.z() < kMinDepth_m) return false;
         const Eigen::Vector2d at = pixel(p_cam);

@@ -23,8 +23,8 @@ struct Rig {
     Eigen::Isometry3d T_imu_cam0 = Eigen::Isometry3d::Identity();
     Eigen::Isometry3d T_imu_cam1 = Eigen::Isometry3d::Identity();
     std::optional<ImuNoise> imu_noise;  // nullopt if the dive has no IMU
-    // How much later than its left image the right one of a pair is exposed, by the images; 0:
-    // together, as far as they tell.
+    // Delay of the exposure of right images after left ones, estimated from the images; 0: no
+    // significant delay.
     double right_delay_s = 0.0;
     // Its standard deviation times the median speed of the rig, relative to the baseline: a delay
     // that is not known acts like another baseline where the rig moves along it.

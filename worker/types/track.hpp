@@ -39,7 +39,7 @@ struct TrackStatistics {
 // What measured a frame's motion from the frame before.
 enum class MotionSource : std::uint8_t { Nothing, Imu, Vision };
 
-// Features of a frame, as its tracking left them: what tells why the next motion was lost.
+// Features of a frame after tracking; they show why the next motion was lost.
 struct FrameFeatures {
     std::int32_t num_features = 0;    // all
     std::int32_t num_with_depth = 0;  // found in the right image too

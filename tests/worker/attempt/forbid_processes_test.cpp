@@ -43,7 +43,6 @@ char* const* arguments() {
     return list;
 }
 
-// Q13
 TEST(ForbidProcessesTest, ForkingAndExecutingFail) {
     EXPECT_EQ(error_after([] { return fork(); }), EPERM);
 #if defined(__x86_64__)
@@ -88,7 +87,6 @@ TEST(ForbidProcessesTest, ThreadsGoOnWorking) {
               7);
 }
 
-// Q13
 TEST(ForbidProcessesTest, ThreadsThatRanBeforeAreHeldToIt) {
     EXPECT_EQ(exit_code_of([] {
                   std::atomic<bool> forbidden = false;

@@ -97,7 +97,7 @@ TEST_F(CalibrationUncertaintyTest, AnUncertainDelayIsAnUncertainBaseline) {
 }
 
 // In water a calibration in air makes depths a quarter too small; a port that is taken into account
-// has been measured by nobody.
+// has not been measured.
 TEST_F(CalibrationUncertaintyTest, AnotherMediumMakesTheScaleUncertain) {
     types::RigAlignment alignment;
     const auto variance = [&] {

@@ -73,7 +73,6 @@ TEST_F(BadRecordingTest, ACalibrationThatIsNoYamlIsRefusedWithItsLine) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
 }
 
-// S18
 TEST_F(BadRecordingTest, YamlAliasesAndDepthAreRefused) {
     tiny_.write(kCam0Yaml, "a: &a [x, x]\nb: [*a, *a]\n");
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", "sensor.yaml:1"));
@@ -82,13 +81,12 @@ TEST_F(BadRecordingTest, YamlAliasesAndDepthAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
 }
 
-// It is unknown which of the two was meant (S18).
+// It is unknown which of the two values is meant.
 TEST_F(BadRecordingTest, ACalibrationThatStatesSomethingTwiceIsRefused) {
     tiny_.replace(kCam0Yaml, "intrinsics:", "intrinsics: [51.0, 51.0, 32.0, 24.0]\nintrinsics:");
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", kCam0Yaml));
 }
 
-// S18
 TEST_F(BadRecordingTest, HugeNumbersInACalibrationAreRefused) {
     tiny_.replace(kCam0Yaml, "[50.0, 50.0", "[1e999, 50.0");
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_unreadable", "sensor.yaml:9"));
@@ -180,7 +178,6 @@ TEST_F(BadRecordingTest, InvertedExtrinsicsAreSaid) {
                 HasFinding(Severity::Error, "extrinsics_inverted", "T_BS looks inverted"));
 }
 
-// S17
 TEST_F(BadRecordingTest, RepeatedAndBackwardStampsAreToldWithTheirLine) {
     const std::string third = std::to_string(TinyDive::kFirst_ns + 200'000'000LL);
     const std::string second = std::to_string(TinyDive::kFirst_ns + 100'000'000LL);
@@ -330,7 +327,6 @@ TEST_F(BadRecordingTest, StampsInMillisecondsAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "cam0_timestamp_unit", kCam0Rows));
 }
 
-// S17
 TEST_F(BadRecordingTest, NanInTheImuIsToldWithItsLine) {
     tiny_.replace(kImuRows, "0.01,-0.02,0.03,0.1", "0.01,nan,0.03,0.1");
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "imu_not_finite", "imu0/data.csv:2"));
@@ -339,7 +335,6 @@ TEST_F(BadRecordingTest, NanInTheImuIsToldWithItsLine) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_not_finite", "imu0/data.csv:1"));
 }
 
-// S17
 TEST_F(BadRecordingTest, NumbersBeyondAllMeasureAreToldWithTheirLine) {
     for (const char* absurd : {"1e308", "-1e308", "2e9"}) {
         const std::string rows = tiny_.read(kImuRows);
@@ -352,7 +347,6 @@ TEST_F(BadRecordingTest, NumbersBeyondAllMeasureAreToldWithTheirLine) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "imu_row_malformed", "imu0/data.csv:1"));
 }
 
-// S17
 TEST_F(BadRecordingTest, StampsBelowZeroOrBeyondAllNumbersAreTold) {
     for (const char* stamp : {"-1600000000000000000", "99999999999999999999", "1.6e18", "0x10"}) {
         std::string rows = tiny_.read(kImuRows);
@@ -365,7 +359,6 @@ TEST_F(BadRecordingTest, StampsBelowZeroOrBeyondAllNumbersAreTold) {
     }
 }
 
-// S17
 TEST_F(BadRecordingTest, ACellThatASpreadsheetWouldRunIsNoNumber) {
     for (const char* cell : {"=cmd|' /C calc'!A0", "(1)", "+1+1", "-1+1", "=1"}) {
         const std::string rows = tiny_.read(kImuRows);
@@ -381,7 +374,6 @@ TEST_F(BadRecordingTest, ACellThatASpreadsheetWouldRunIsNoNumber) {
     }
 }
 
-// S17
 TEST_F(BadRecordingTest, LinesWithNulAndLinesWithoutEndAreMalformedRows) {
     const std::string rows = tiny_.read(kImuRows);
     const std::string nul("1600000001000000000,0,0\0,0,0,0,9.8\n", 35);
@@ -398,7 +390,7 @@ TEST_F(BadRecordingTest, LinesWithNulAndLinesWithoutEndAreMalformedRows) {
 }
 
 // Rows with the same path, also in another case: each row keeps its own name, and no file stands in
-// for another (S6).
+// for another.
 TEST_F(BadRecordingTest, NamesThatDifferByCaseAreTwoFiles) {
     tiny_.write("DIVE.JSON", R"({"name": "Impostor"})");
     EXPECT_EQ(report().name, "Tiny");
@@ -452,7 +444,6 @@ TEST_F(BadRecordingTest, ImagesOfAnotherSizeThanTheCalibrationAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "image_size", image(0)));
 }
 
-// S16
 TEST_F(BadRecordingTest, ATruncatedPngIsSkippedCountedAndNamed) {
     const std::string bytes = tiny_.read(image(2));
     tiny_.write(image(2), bytes.substr(0, bytes.size() / 2));
@@ -465,7 +456,6 @@ TEST_F(BadRecordingTest, ATruncatedPngIsSkippedCountedAndNamed) {
     for (const Finding& finding : spoiled) EXPECT_NE(finding.remedy, "") << finding.code;
 }
 
-// S15
 TEST_F(BadRecordingTest, AHugeHeaderIsRefusedWithoutDecoding) {
     std::string bytes = tiny_.read(image(1));
     const std::string huge("\x00\x00\xc3\x50", 4);  // 50000
@@ -475,7 +465,6 @@ TEST_F(BadRecordingTest, AHugeHeaderIsRefusedWithoutDecoding) {
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "image_too_large", "50000x50000"));
 }
 
-// S16
 TEST_F(BadRecordingTest, SixteenBitsAreReducedAndTold) {
     tiny_.write(image(1), png_of_size(64, 48, CV_16UC1));
 
@@ -499,7 +488,6 @@ TEST_F(BadRecordingTest, AnEmptyDiveIsRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "dive_empty", kCam0Rows));
 }
 
-// S6
 TEST_F(BadRecordingTest, AMissingImageIsSkippedAndNamed) {
     tiny_.remove(image(3));
 

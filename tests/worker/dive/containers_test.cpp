@@ -102,7 +102,6 @@ TEST(FolderTest, Mav0ItselfMayBeTheRoot) {
     EXPECT_EQ(mav0->content_sha256(), whole->content_sha256());
 }
 
-// S4
 TEST(FolderTest, ALinkOutOfTheDiveIsNotFollowed) {
     const TemporaryFolder folder;
     const TinyDive tiny(folder / "dive");

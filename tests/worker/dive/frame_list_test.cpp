@@ -86,7 +86,6 @@ TEST(FrameListTest, CommentsLineEndsAndBlanksOfOtherSystemsAreRead) {
     EXPECT_TRUE(log.all().empty());
 }
 
-// S6
 TEST(FrameListTest, AFileNameThatLeavesTheFolderIsRefused) {
     FindingLog log;
 

@@ -1,4 +1,4 @@
-// S16: images that are made to harm the decoder, or that reveal more than they should.
+// Images that are made to harm the decoder, or that reveal more than they should.
 #include <gtest/gtest.h>
 
 #include <opencv2/imgcodecs.hpp>
@@ -72,7 +72,6 @@ double max_difference(const cv::Mat& a, const cv::Mat& b) {
     return a.size() == b.size() ? cv::norm(a, b, cv::NORM_INF) : 256.0;
 }
 
-// S16
 TEST(HostileImagesTest, TenThousandScansAreRefusedBeforeTheyAreDecoded) {
     const std::string good = jpeg(true);
     EXPECT_EQ(refusal(good), "");
@@ -84,7 +83,6 @@ TEST(HostileImagesTest, TenThousandScansAreRefusedBeforeTheyAreDecoded) {
     EXPECT_NE(refusal(hostile + "\xff\xd9").find("scans"), std::string::npos);
 }
 
-// S16
 TEST(HostileImagesTest, FourColoursAreRefused) {
     std::string cmyk = jpeg(false);
     const auto frame = cmyk.find("\xff\xc0");
@@ -93,15 +91,14 @@ TEST(HostileImagesTest, FourColoursAreRefused) {
     EXPECT_NE(refusal(cmyk).find("4 channels"), std::string::npos);
 }
 
-// S16
 TEST(HostileImagesTest, AJpegThatEndsEarlyIsRefused) {
     const std::string good = jpeg(false);
     for (std::size_t size = 0; size < good.size() - 2; size += 7)
         EXPECT_NE(refusal(good.substr(0, size)), "") << size << " of " << good.size();
 }
 
-// Random bytes after a valid header either decode to an image of the stated size or are refused
-// (S16).
+// Random bytes after a valid header either decode to an image of the stated size or are
+// refused.
 TEST(HostileImagesTest, GarbageBehindAGoodHeaderHurtsNothing) {
     const std::string good = jpeg(false);
     const auto scan = good.find("\xff\xda") + 14;
@@ -118,7 +115,6 @@ TEST(HostileImagesTest, GarbageBehindAGoodHeaderHurtsNothing) {
     }
 }
 
-// S16
 TEST(HostileImagesTest, AnExifBombChangesNothing) {
     const std::string good = jpeg(false);
     const std::string turned("\x01\x12\0\x03\0\0\0\x01\0\x06\0\0", 12);      // orientation 6
@@ -132,7 +128,7 @@ TEST(HostileImagesTest, AnExifBombChangesNothing) {
         EXPECT_EQ(max_difference(decoded(with_exif(good, tiff)), decoded(good)), 0.0);
 }
 
-// S16: the diver's position is in the recording, for people with access to it, but must not be in
+// The diver's position is in the recording, for people with access to it, but must not be in
 // the images that others see.
 TEST(HostileImagesTest, TheThumbnailDoesNotContainTheGpsPositionOfAnImage) {
     const TemporaryFolder folder;

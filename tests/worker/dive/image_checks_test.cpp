@@ -192,7 +192,7 @@ TEST(ImageChecksTest, TextThatTheCameraBurnsInIsMasked) {
     EXPECT_TRUE(still.masks().all().empty());
 }
 
-// Whatever passes in front of a rig at rest, what stays is the scene.
+// In front of a rig at rest, the pattern that stays is the scene, even while fish pass.
 TEST(ImageChecksTest, AShoalInFrontOfARigAtRestMakesTheSceneNoPattern) {
     FixedPattern pattern;
     for (int frame = 0; frame < kNumFrames; ++frame) {
@@ -213,11 +213,11 @@ TEST(ImageChecksTest, AShoalInFrontOfARigAtRestMakesTheSceneNoPattern) {
 
 // A small part of the image shows the scene; nine tenths are black and never change.
 TEST(ImageChecksTest, TheBorderOfAnImageOnBlackIsMaskedAndIsNoOverlay) {
-    const cv::Rect picture(240, 160, 200, 150);
+    const cv::Rect shown(240, 160, 200, 150);
     FixedPattern pattern;
     for (int frame = 0; frame < kNumFrames; ++frame) {
         cv::Mat image = cv::Mat::zeros(480, 640, CV_8U);
-        scene(frame)(picture).copyTo(image(picture));
+        scene(frame)(shown).copyTo(image(shown));
         pattern.add(image);
     }
 
@@ -226,8 +226,7 @@ TEST(ImageChecksTest, TheBorderOfAnImageOnBlackIsMaskedAndIsNoOverlay) {
     EXPECT_TRUE(masks.overlay.empty());
     ASSERT_FALSE(masks.border.empty());
     cv::Mat scene_part = cv::Mat::zeros(480, 640, CV_8U);
-    scene_part(cv::Rect(picture.x + 8, picture.y + 8, picture.width - 16, picture.height - 16)) =
-        255;
+    scene_part(cv::Rect(shown.x + 8, shown.y + 8, shown.width - 16, shown.height - 16)) = 255;
     EXPECT_EQ(cv::countNonZero((masks.border == 255) != (scene_part == 0)), 0);
 }
 

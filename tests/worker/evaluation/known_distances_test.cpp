@@ -184,11 +184,11 @@ dive::KnownDistance KnownDistancesTest::marked_bar() const {
 
 TEST_F(KnownDistancesTest, AreMeasuredWithinOneSegment) {
     types::Trajectory lost = truth_;
-    TrackingSegment first{.num_frames = 4, .intervals = {{0, 300'000'000}}};
-    TrackingSegment second{.num_frames = 6, .intervals = {{400'000'000, 900'000'000}}};
+    types::TrackingSegment first{.num_frames = 4, .intervals = {{0, 300'000'000}}};
+    types::TrackingSegment second{.num_frames = 6, .intervals = {{400'000'000, 900'000'000}}};
     for (std::size_t i = 4; i < lost.size(); ++i)
         lost[i].T_world_imu.pretranslate(Eigen::Vector3d(3.0, 0.5, 0.0));
-    const auto measured = [&](const std::vector<TrackingSegment>& segments) {
+    const auto measured = [&](const std::vector<types::TrackingSegment>& segments) {
         return measure_known_distances({marked_bar()}, nullptr, rig_, {lost, {}, 0.0, segments})
             .distances[0];
     };

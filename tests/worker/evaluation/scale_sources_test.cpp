@@ -44,28 +44,28 @@ bool left_out(const ScaleSources& sources, const std::string& metric, const std:
 TEST(ScaleSourcesTest, ARecorderSetToTheWrongWaterCorrectsNothing) {
     for (const double density : {0.97, 1.0, 1.025, 1.03}) {
         const ScaleSources sources = UpAndDown(density).sources();
-        ASSERT_EQ(sources.told.size(), 1U);
-        EXPECT_EQ(sources.told[0].name, "pressure");
-        EXPECT_NEAR(sources.told[0].check.scale, 1.0 / density, 2e-3);
-        EXPECT_FALSE(scale_correction(sources.told, kCamerasSigma)) << density;
+        ASSERT_EQ(sources.usable.size(), 1U);
+        EXPECT_EQ(sources.usable[0].name, "pressure");
+        EXPECT_NEAR(sources.usable[0].check.scale, 1.0 / density, 2e-3);
+        EXPECT_FALSE(scale_correction(sources.usable, kCamerasSigma)) << density;
     }
     // No water is as heavy as that.
-    EXPECT_TRUE(scale_correction(UpAndDown(1.09).sources().told, kCamerasSigma));
+    EXPECT_TRUE(scale_correction(UpAndDown(1.09).sources().usable, kCamerasSigma));
 }
 
 TEST(ScaleSourcesTest, ACheckIsJudgedByItsOwnSigma) {
     UpAndDown dive(1.0);
     dive.path.scale_sigma = 0.5;
-    EXPECT_EQ(dive.sources().told.size(), 1U);
+    EXPECT_EQ(dive.sources().usable.size(), 1U);
     dive.path.vertical_scale_sigma = 0.2;
-    EXPECT_TRUE(dive.sources().told.empty());
+    EXPECT_TRUE(dive.sources().usable.empty());
     EXPECT_TRUE(left_out(dive.sources(), "scale.pressure", "20.2 %"));
     dive.path.vertical_scale_sigma = 0.04;
-    EXPECT_EQ(dive.sources().told.size(), 1U);
+    EXPECT_EQ(dive.sources().usable.size(), 1U);
     types::LoopStatistics loops;
     loops.num_accepted = 1;
     loops.residual_sigmas = 3.0;
-    EXPECT_TRUE(scale_sources(dive.data, dive.trajectory, dive.path, loops).told.empty());
+    EXPECT_TRUE(scale_sources(dive.data, dive.trajectory, dive.path, loops).usable.empty());
 }
 
 TEST(ScaleSourcesTest, SegmentsHaveNoMotionInCommon) {
@@ -73,8 +73,8 @@ TEST(ScaleSourcesTest, SegmentsHaveNoMotionInCommon) {
     dive.data.markers = ScaleCheck{0.99, 0.002};
     dive.data.num_segments = 2;
     const ScaleSources sources = dive.sources();
-    ASSERT_EQ(sources.told.size(), 1U);
-    EXPECT_EQ(sources.told[0].name, "markers");
+    ASSERT_EQ(sources.usable.size(), 1U);
+    EXPECT_EQ(sources.usable[0].name, "markers");
     EXPECT_TRUE(left_out(sources, "scale.pressure", "several segments"));
     EXPECT_TRUE(left_out(sources, "scale.accelerometer", "several segments"));
     EXPECT_TRUE(left_out(sources, "scale.known_distances", "three"));

@@ -63,6 +63,7 @@ TEST(SurfaceSlopeTest, WhereTheRightImageShowsNothingTheSurfaceFacesTheCamera) {
     frame.right = cv::Mat(frame.left.size(), CV_8U, cv::Scalar(100));
     types::Features features = {{1, {160.0, 120.0}, 15.0}, {2, {12.0, 120.0}, 15.0}};
     measure_slopes(rig, frame, features);
+    ASSERT_EQ(features.size(), 2U);
     for (const types::Feature& feature : features)
         EXPECT_EQ(feature.disparity_slope, Eigen::Vector2d(0.0, 0.0));
 }

@@ -95,7 +95,7 @@ TEST(JudgeAhrsTest, NamesAxes) {
     };
     const AhrsJudgement judgement = judged(exchanged);
     EXPECT_EQ(judgement.fault, AhrsFault::AsGyroscope);
-    EXPECT_EQ(judgement.rotation.fault, GyroscopeFault::Turned);
+    EXPECT_EQ(judgement.rotation.fault, GyroscopeFault::Rotated);
 }
 
 TEST(JudgeAhrsTest, NamesTheClock) {

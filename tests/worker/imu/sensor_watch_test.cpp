@@ -116,7 +116,7 @@ TEST(SensorWatchTest, ALossBeforeTheImuIsConfirmedPutsItOnProbation) {
     const synthetic::SensorRecording recording = dive(as_measured);
     const Watched lost = watched(recording, {}, 20);
     ASSERT_TRUE(lost.watch.restart());
-    EXPECT_TRUE(lost.watch.restart()->imu_on_probation);
+    EXPECT_TRUE(lost.watch.restart()->imu_unconfirmed);
     // It fits, so it is used again, and a loss at the same place is not its fault.
     const Watched probed = watched(recording, *lost.watch.restart(), 20);
     ASSERT_TRUE(probed.watch.restart());

@@ -14,7 +14,7 @@ namespace divemesh::io {
 namespace {
 
 // A spreadsheet takes a cell for a formula if it begins with = + - @ or a tab. Except for our own
-// heading, every cell of the only table that we write is a number (S17).
+// heading, every cell of the only table that we write is a number.
 TEST(CovarianceFileTest, EveryCellIsANumber) {
     const TemporaryFolder folder;
     types::CovarianceTrack track(2);

@@ -66,6 +66,33 @@ TEST_F(ReconstructionFolderTest, AFieldOfAnotherTypeNamesItsFile) {
     EXPECT_NE(std::string(error.what()).find("keyframes.json"), std::string::npos);
 }
 
+TEST_F(ReconstructionFolderTest, GivesTheSegmentsWithTheirFramesAndIntervals) {
+    write("metrics.json", R"({"pieces": [
+        {"num_frames": 3, "intervals": [{"first_ns": 10, "last_ns": 12}]},
+        {"num_frames": 9, "intervals": [{"first_ns": 20, "last_ns": 24},
+                                        {"first_ns": 40, "last_ns": 43}]}]})");
+
+    const auto segments = open().segments();
+
+    ASSERT_EQ(segments.size(), 2U);
+    EXPECT_EQ(segments[1].num_frames, 9);
+    EXPECT_TRUE(segments[1].contains(43));
+    EXPECT_FALSE(segments[1].contains(30));
+}
+
+TEST_F(ReconstructionFolderTest, FilesOfOlderVersionsStateNoSegments) {
+    EXPECT_TRUE(open().segments().empty());
+}
+
+TEST_F(ReconstructionFolderTest, ABrokenSegmentNamesItsFile) {
+    write("metrics.json", R"({"pieces": [{"num_frames": "many"}]})");
+
+    const Error error = error_of([&] { open().segments(); });
+
+    EXPECT_EQ(error.code(), ErrorCode::BadData);
+    EXPECT_NE(std::string(error.what()).find("metrics.json"), std::string::npos);
+}
+
 TEST_F(ReconstructionFolderTest, AQuaternionThatIsNoRotationIsRefused) {
     write("keyframes.json",
           R"({"keyframes": [{"frame_index": 7, "timestamp_ns": 1,

@@ -155,6 +155,8 @@ TEST(SmoothMembrane, ALargerVoxelIsSmoothedLikeASmallerOne) {
     for (float& voxel_m : large.voxel_m) voxel_m *= 2.0F;
     smooth_membrane(small, 1);
     smooth_membrane(large, 1);
+    ASSERT_FALSE(small.vertices.empty());
+    ASSERT_EQ(large.vertices.size(), small.vertices.size());
     for (std::size_t i = 0; i < small.vertices.size(); ++i)
         EXPECT_EQ(2.0F * small.vertices[i], large.vertices[i]);
 }

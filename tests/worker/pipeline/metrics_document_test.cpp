@@ -10,6 +10,7 @@
 #include <valijson/validator.hpp>
 
 #include "tests/paths.hpp"
+#include "worker/io/rig_json.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -167,6 +168,27 @@ TEST(MetricsDocument, TheSchemaDescribesEveryFieldOfTheDocument) {
         }
     }
     EXPECT_GT(num_fields, 40);
+}
+
+// Appends what a schema says of each field of this name.
+void collect_fields(const json& schema, const std::string& name, std::vector<json>& found) {
+    if (schema.is_object() && schema.contains("properties") && schema["properties"].contains(name))
+        found.push_back(schema["properties"][name]);
+    if (schema.is_structured())
+        for (const json& part : schema) collect_fields(part, name, found);
+}
+
+TEST(MetricsDocument, TheSchemaKnowsEveryLensModelWhereverACameraIsDescribed) {
+    json names = json::array();
+    for (const types::Distortion distortion : types::kDistortions)
+        names.push_back(io::to_string(distortion));
+    std::vector<json> found;
+    collect_fields(
+        json::parse(std::ifstream(source_directory() / "schemas" / "metrics.schema.json")),
+        "distortion_model",
+        found);
+    EXPECT_EQ(found.size(), 3U);
+    for (const json& field : found) EXPECT_EQ(field["enum"], names);
 }
 
 TEST(MetricsDocument, SpeedLeavesOutEvaluationAndReusedStages) {

@@ -33,7 +33,7 @@ protected:
         EXPECT_FALSE(attempts.plan().left_out.imu);
         EXPECT_TRUE(again(attempts, 3, true));
         EXPECT_TRUE(attempts.plan().left_out.imu);
-        EXPECT_TRUE(attempts.plan().imu_on_probation);
+        EXPECT_TRUE(attempts.plan().imu_unconfirmed);
         EXPECT_EQ(again(attempts, num_measured), expect_trial);
         return attempts;
     }
@@ -51,7 +51,7 @@ TEST_F(SensorAttemptsTest, AnUnconfirmedImuThatFindsTheSceneAgainIsUsed) {
     EXPECT_TRUE(attempts.plan().imu_confirmed);
     EXPECT_FALSE(again(attempts, 80));
     EXPECT_FALSE(attempts.plan().left_out.imu);
-    EXPECT_FALSE(attempts.plan().imu_on_probation);
+    EXPECT_FALSE(attempts.plan().imu_unconfirmed);
 }
 
 TEST_F(SensorAttemptsTest, AnUnconfirmedImuThatDoesNotFindTheSceneIsLeftOut) {

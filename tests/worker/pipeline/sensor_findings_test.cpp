@@ -31,7 +31,7 @@ TEST(SensorFindingsTest, SaysOnWhichSideTheClockIs) {
 
 TEST(SensorFindingsTest, AnImuThatWasNeverConfirmedIsSaidToBeLeftOut) {
     imu::SensorPlan plan;
-    plan.left_out.imu = plan.imu_on_probation = true;
+    plan.left_out.imu = plan.imu_unconfirmed = true;
     ASSERT_EQ(sensor_findings(plan).size(), 1U);
     EXPECT_EQ(sensor_findings(plan)[0].code, "imu_left_out");
 }

@@ -83,7 +83,7 @@ TEST_F(DrawingPageTest, SaysWhatIsMissingWithoutAMosaic) {
 
 TEST_F(DrawingPageTest, RefusesAnImageThatIsNone) {
     mosaic::write_mosaic(folder_.path(), stepped_floor());
-    std::ofstream(folder_ / "mosaic_height.png") << "no picture";
+    std::ofstream(folder_ / "mosaic_height.png") << "no image";
     EXPECT_THROW(drawing_page(io::ReconstructionFolder(folder_.path())), Error);
 }
 

@@ -15,6 +15,7 @@
 #include <thread>
 #include <unistd.h>
 
+#include "schemas/file_descriptor.hpp"
 #include "schemas/json.hpp"
 #include "worker/attempt/attempt_protocol.hpp"
 #include "worker/compare/compare.hpp"
@@ -88,14 +89,13 @@ void talk() {
 }
 
 std::string tcp_to_nowhere() {
-    const int stream = socket(AF_INET, SOCK_STREAM, 0);
+    const FileDescriptor stream(socket(AF_INET, SOCK_STREAM, 0));
     sockaddr_in there{};
     there.sin_family = AF_INET;
     there.sin_port = htons(9);
     there.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    const int result = connect(stream, reinterpret_cast<sockaddr*>(&there), sizeof there);
+    const int result = connect(stream.get(), reinterpret_cast<sockaddr*>(&there), sizeof there);
     const int failure = result == 0 ? 0 : errno;
-    close(stream);
     return failure == ECONNREFUSED || failure == 0 ? "network" : "no network";
 }
 

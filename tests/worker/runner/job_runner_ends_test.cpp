@@ -9,7 +9,6 @@ namespace {
 
 using testing::HasSubstr;
 
-// Q8
 TEST_F(JobRunnerTest, ARunningJobIsCancelled) {
     const Job job = make_job(wait_once());
     Process worker = start_worker();
@@ -23,7 +22,6 @@ TEST_F(JobRunnerTest, ARunningJobIsCancelled) {
     EXPECT_EQ(num_blobs_of_jobs(), 0u);
 }
 
-// Q8
 TEST_F(JobRunnerTest, AChildThatDoesNotListenIsKilled) {
     const Job job = make_job("deaf " + marker_.string());
     Process worker = start_worker();

@@ -18,7 +18,6 @@ namespace fs = std::filesystem;
 using std::chrono::seconds;
 using testing::HasSubstr;
 
-// Q5
 TEST_F(JobRunnerTest, AJobOfAKilledWorkerRunsAgain) {
     const Job job = make_job(wait_once());
     Process victim = start_worker();
@@ -38,7 +37,6 @@ TEST_F(JobRunnerTest, AJobOfAKilledWorkerRunsAgain) {
     EXPECT_TRUE(fs::is_empty(folder_ / "work")) << "the killed worker's scratch is still there";
 }
 
-// Q4
 TEST_F(JobRunnerTest, AWorkerThatFrozeBeyondItsLeasePublishesNothing) {
     const Job job = make_job(wait_once());
     Process frozen = start_worker();
@@ -80,7 +78,6 @@ TEST_F(JobRunnerTest, AWorkerThatIsEndedGivesItsAttemptBack) {
     EXPECT_EQ(jobs_.attempts(job.id).at(0).state, AttemptState::Released);
 }
 
-// Q11
 TEST_F(JobRunnerTest, AWorkerThatDrainsFinishesWhatItHasAndTakesNothingMore) {
     const Job first = make_job(wait_once());
     Process worker = start_worker();
@@ -103,7 +100,6 @@ TEST_F(JobRunnerTest, AWorkerThatDrainsFinishesWhatItHasAndTakesNothingMore) {
     EXPECT_TRUE(workers.list().empty());
 }
 
-// Q14
 TEST_F(JobRunnerTest, TwoWorkersShareTheJobsAndEachRunsOnce) {
     std::vector<Job> made;
     for (int i = 0; i < 6; ++i) made.push_back(make_job("ok " + std::to_string(i)));

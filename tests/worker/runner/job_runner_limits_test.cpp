@@ -15,7 +15,6 @@ namespace {
 using std::chrono::seconds;
 using testing::HasSubstr;
 
-// A14
 TEST_F(JobRunnerTest, BeginsNothingOnADiskThatIsNearlyFull) {
     const Job job = make_job("ok");
     {
@@ -30,7 +29,6 @@ TEST_F(JobRunnerTest, BeginsNothingOnADiskThatIsNearlyFull) {
     EXPECT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
 }
 
-// Q5
 TEST_F(JobRunnerTest, AnAttemptPastItsDeadlineIsEnded) {
     const Job job = make_job("deaf " + marker_.string(), 1);
     Process worker = start_worker("500");
@@ -49,7 +47,6 @@ TEST_F(JobRunnerTest, ADiskThatFillsWhileArtifactsAreWrittenLeavesNoneOfThem) {
     EXPECT_EQ(num_blobs_of_jobs(), 0u);
 }
 
-// S19
 TEST_F(JobRunnerTest, AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
     const Job killed = make_job("killed", 10);
     const Job greedy = make_job("greedy " + marker_.string(), 10);
@@ -63,7 +60,6 @@ TEST_F(JobRunnerTest, AJobThatIsKilledForItsMemoryRunsOnceMoreWithLess) {
     EXPECT_EQ(read_text(marker_), "0 1073741824\n1 67108864\n");  // the second: one thread
 }
 
-// Q13, S19
 TEST_F(JobRunnerTest, AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
     const Job job = make_job("fill", 1);
     Process worker = start_worker("600000", "1000000000", "4194304");
@@ -72,7 +68,6 @@ TEST_F(JobRunnerTest, AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
     EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
 }
 
-// Q13, S19
 TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetworkAndStartsNothing) {
     const Job job = make_job("limits");
     Process worker = start_worker("600000", "1000000000", "123456789");

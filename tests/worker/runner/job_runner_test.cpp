@@ -42,7 +42,6 @@ TEST_F(JobRunnerTest, TakesADiveThroughIntakeAndReconstruction) {
     EXPECT_TRUE(fs::is_empty(folder_ / "work"));
 }
 
-// S19
 TEST_F(JobRunnerTest, AnAttemptThatTalksWithoutEndHoldsUpNothing) {
     const Job job = make_job("talk");
     Process worker = start_worker();
@@ -52,7 +51,7 @@ TEST_F(JobRunnerTest, AnAttemptThatTalksWithoutEndHoldsUpNothing) {
     EXPECT_LT(storage::EventStore(catalog_).newest_sequence(), 200);
 }
 
-// The message of a failure contains names from the recording (A9, S29).
+// The message of a failure contains names from the recording.
 TEST_F(JobRunnerTest, LogsOneLineForEachEventWhateverAMessageHolds) {
     const Job job = make_job("hostile");
     Process worker = start_worker();

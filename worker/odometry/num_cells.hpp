@@ -6,11 +6,11 @@
 
 #include "worker/types/rectified_rig.hpp"
 
-namespace divemesh::types {
+namespace divemesh::odometry {
 
 // Returns the number of cells of the left image, of 8 x 6, in which the pixel of an item lies.
 template <typename Items, typename PixelOf>
-std::size_t num_cells(const RectifiedRig& rig, const Items& items, const PixelOf& pixel_of) {
+std::size_t num_cells(const types::RectifiedRig& rig, const Items& items, const PixelOf& pixel_of) {
     constexpr int kColumns = 8;
     constexpr int kRows = 6;
     std::bitset<48> seen;
@@ -25,4 +25,4 @@ std::size_t num_cells(const RectifiedRig& rig, const Items& items, const PixelOf
     return seen.count();
 }
 
-}  // namespace divemesh::types
+}  // namespace divemesh::odometry

@@ -1,0 +1,5 @@
+#pragma once
+
+#include "api/routes.hpp"
+
+namespace divemesh::api::client {}
