@@ -29,8 +29,8 @@ Event event_of(const std::string& who, const std::string& what) {
     return event;
 }
 
-storage::Catalog noting(const storage::Catalog& catalog, Event event) {
-    return catalog.with_note([event = std::move(event)](soci::session& session) {
+storage::Catalog with_event(const storage::Catalog& catalog, Event event) {
+    return catalog.with_audit([event = std::move(event)](soci::session& session) {
         storage::EventStore::append(session, event);
     });
 }
@@ -40,16 +40,16 @@ storage::Catalog noting(const storage::Catalog& catalog, Event event) {
 storage::Catalog audited(const Services& services,
                          const Request& request,
                          std::optional<std::int64_t> uploaded_bytes) {
-    return noting(services.catalog, event_of(request, uploaded_bytes));
+    return with_event(services.catalog, event_of(request, uploaded_bytes));
 }
 
 storage::Catalog audited(const storage::Catalog& catalog,
                          const std::string& who,
                          const std::string& what) {
-    return noting(catalog, event_of(who, what));
+    return with_event(catalog, event_of(who, what));
 }
 
-void note_audit(soci::session& session, const std::string& who, const std::string& what) {
+void append_audit_event(soci::session& session, const std::string& who, const std::string& what) {
     storage::EventStore::append(session, event_of(who, what));
 }
 

@@ -19,7 +19,7 @@ storage::Catalog audited(const storage::Catalog& catalog,
                          const std::string& what);
 
 // Writes the audit event inside a transaction that is under way.
-void note_audit(soci::session& session, const std::string& who, const std::string& what);
+void append_audit_event(soci::session& session, const std::string& who, const std::string& what);
 
 // Writes the audit event of an upload that this request completed but that did not become a dive.
 // Its bytes were stored in many transactions, so the event follows them. Blocks: run it in the

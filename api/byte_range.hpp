@@ -20,7 +20,7 @@ struct RangeAnswer {
 };
 // Parses a Range header for a body of `size` bytes (RFC 9110, 14.2). Returns the whole body if
 // there is no header, if its unit or form is not supported, or if it asks for several ranges, which
-// a server may ignore (S22: thousands of ranges cost nothing).
+// a server may ignore (so thousands of ranges cost nothing).
 RangeAnswer parse_range(std::string_view header, std::int64_t size);
 
 // Returns the value of Repr-Digest and Content-Digest (RFC 9530) for a SHA-256 in hex.

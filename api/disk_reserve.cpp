@@ -3,7 +3,7 @@
 #include <fcntl.h>
 #include <system_error>
 
-#include "storage/directory_files.hpp"
+#include "schemas/file_descriptor.hpp"
 
 namespace divemesh::api {
 namespace {

@@ -18,8 +18,9 @@ bool matches_etag(std::string_view list, std::string_view etag);
 // every tag; a weak tag matches no tag (RFC 9110, 13.1.1).
 void require_listed(std::string_view list, std::string_view etag);
 
-// Checks a write to the resource that GET shows as `body`. Throws Error{PreconditionRequired}
-// without If-Match, and Error{PreconditionFailed} if it names another tag.
+// Checks a deletion of what GET shows as `body` that must name what it deletes; other changes may
+// go without a tag, see audited_if_match(). Throws Error{PreconditionRequired} without If-Match,
+// and Error{PreconditionFailed} if it names another tag.
 void require_match(const Request& request, std::string_view body);
 
 // Adds the tag to a response with 200 to GET or HEAD, and turns it into 304 if the client has that

@@ -80,10 +80,10 @@ void run_schedules(const Services& services) {
         storage::ScheduleStore(services.catalog)
             .run_due(DIVEMESH_VERSION,
                      [](soci::session& session, const Schedule& schedule, int num_jobs) {
-                         note_audit(session,
-                                    "schedule " + schedule.id,
-                                    std::to_string(num_jobs) + " reports of the tag " +
-                                        schedule.tag + " in project " + schedule.project);
+                         append_audit_event(session,
+                                            "schedule " + schedule.id,
+                                            std::to_string(num_jobs) + " reports of the tag " +
+                                                schedule.tag + " in project " + schedule.project);
                      });
     });
 }

@@ -10,7 +10,7 @@ namespace divemesh::api {
 
 // Returns audited() for a change that the client may tie to the version it read. With If-Match its
 // transactions throw Error{PreconditionFailed} unless the header names the tag of the resource as
-// `shown` reads it then, the same as GET.
+// `shown` reads it then, the same as GET. What has a tag is a JSON object.
 storage::Catalog audited_if_match(const Services& services,
                                   const Request& request,
                                   std::function<nlohmann::json()> shown);

@@ -37,9 +37,9 @@ std::string failure_of(const std::string& name, const Check& check) {
 
 }  // namespace
 
-Readiness::Result Readiness::look(storage::Catalog& catalog,
-                                  storage::BlobStore& blobs,
-                                  std::int64_t min_free_bytes) {
+Readiness::Result Readiness::check(storage::Catalog& catalog,
+                                   storage::BlobStore& blobs,
+                                   std::int64_t min_free_bytes) {
     const std::lock_guard lock(mutex_);
     if (std::chrono::steady_clock::now() < next_poll_) return last_;
     Result result;

@@ -23,7 +23,7 @@ public:
     };
 
     // Blocks: run it in the pool.
-    Result look(storage::Catalog& catalog, storage::BlobStore& blobs, std::int64_t min_free_bytes);
+    Result check(storage::Catalog& catalog, storage::BlobStore& blobs, std::int64_t min_free_bytes);
 
 private:
     std::mutex mutex_;

@@ -8,41 +8,39 @@
 #include "storage/upload_store.hpp"
 
 namespace divemesh::api {
+namespace {
+
+// Returns the object of `Store` that the path names by {<word>_id}.
+template <typename Store>
+auto visible(const Request& request, storage::Catalog& catalog, const std::string& word) {
+    const std::string& id = request.parameter(word + "_id");
+    auto found = Store(catalog).get(id);
+    require_visible(request.token, found.project, word + " " + id);
+    return found;
+}
+
+}  // namespace
 
 Upload visible_upload(const Request& request, storage::Catalog& catalog) {
-    const std::string& id = request.parameter("upload_id");
-    Upload upload = storage::UploadStore(catalog).get(id);
-    require_visible(request.token, upload.project, "upload " + id);
+    Upload upload = visible<storage::UploadStore>(request, catalog, "upload");
     storage::require_open(upload);
     return upload;
 }
 
 Dive visible_dive(const Request& request, storage::Catalog& catalog) {
-    const std::string& id = request.parameter("dive_id");
-    Dive dive = storage::DiveStore(catalog).get(id);
-    require_visible(request.token, dive.project, "dive " + id);
-    return dive;
+    return visible<storage::DiveStore>(request, catalog, "dive");
 }
 
 Sensor visible_sensor(const Request& request, storage::Catalog& catalog) {
-    const std::string& id = request.parameter("sensor_id");
-    Sensor sensor = storage::SensorStore(catalog).get(id);
-    require_visible(request.token, sensor.project, "sensor " + id);
-    return sensor;
+    return visible<storage::SensorStore>(request, catalog, "sensor");
 }
 
 Schedule visible_schedule(const Request& request, storage::Catalog& catalog) {
-    const std::string& id = request.parameter("schedule_id");
-    Schedule schedule = storage::ScheduleStore(catalog).get(id);
-    require_visible(request.token, schedule.project, "schedule " + id);
-    return schedule;
+    return visible<storage::ScheduleStore>(request, catalog, "schedule");
 }
 
 Job visible_job(const Request& request, storage::Catalog& catalog) {
-    const std::string& id = request.parameter("job_id");
-    Job job = storage::JobStore(catalog).get(id);
-    require_visible(request.token, job.project, "job " + id);
-    return job;
+    return visible<storage::JobStore>(request, catalog, "job");
 }
 
 }  // namespace divemesh::api

@@ -57,7 +57,7 @@ std::string truth_text(const TruthFile& file) {
 }
 
 int show_dive(client::RestClient& rest, const DivesOptions& options, const Context& context) {
-    const std::string path = "/api/v1/dives/" + client::percent_encode(options.dive_id);
+    const std::string path = client::dive_path(options.dive_id);
     auto dive = rest.get(path);
     const auto findings = rest.list(path + "/findings", {});
     const auto truth = rest.list(path + "/truth", {});

@@ -15,14 +15,6 @@
 namespace divemesh::cli {
 namespace {
 
-std::string job_path(const std::string& job_id) {
-    return "/api/v1/jobs/" + api::client::percent_encode(job_id);
-}
-
-std::string dive_path(const std::string& dive_id) {
-    return "/api/v1/dives/" + api::client::percent_encode(dive_id);
-}
-
 const Artifact& find_artifact(const std::vector<Artifact>& artifacts,
                               const std::string& job_id,
                               const std::string& name) {
@@ -39,7 +31,7 @@ std::vector<Artifact> artifacts_of(api::client::RestClient& rest,
                                    const std::string& job_id,
                                    const std::vector<std::string>& names) {
     std::vector<Artifact> artifacts;
-    for (const auto& item : rest.list(job_path(job_id) + "/artifacts", {}))
+    for (const auto& item : rest.list(api::client::job_path(job_id) + "/artifacts", {}))
         artifacts.push_back(item.get<Artifact>());
     if (names.empty()) return artifacts;
     std::vector<Artifact> chosen;
@@ -49,7 +41,7 @@ std::vector<Artifact> artifacts_of(api::client::RestClient& rest,
 }
 
 void print_findings(api::client::RestClient& rest, const std::string& dive_id) {
-    for (const auto& item : rest.list(dive_path(dive_id) + "/findings", {}))
+    for (const auto& item : rest.list(api::client::dive_path(dive_id) + "/findings", {}))
         std::cerr << finding_text(item.get<Finding>());
 }
 
@@ -65,6 +57,14 @@ void show_progress(ProgressBar& bar, const Progress& progress) {
     if (progress.seconds_left >= 0.0)
         detail += (detail.empty() ? "" : ", ") + duration_text(progress.seconds_left) + " left";
     bar.show(progress.stage, progress.fraction, detail);
+}
+
+api::client::BytesDone show_bytes(ProgressBar& bar, const std::string& label, std::int64_t total) {
+    return [&bar, label, total, meter = TransferMeter()](std::int64_t done) mutable {
+        const double fraction =
+            total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1.0;
+        bar.show(label, fraction, meter.detail(done, total));
+    };
 }
 
 api::client::Backoff::OnWait say_waiting(ProgressBar& bar) {
@@ -128,7 +128,8 @@ void print_job_metrics(api::client::RestClient& rest, const Job& job) {
     const bool has_metrics = std::any_of(
         artifacts.begin(), artifacts.end(), [](const auto& a) { return a.name == "metrics.json"; });
     if (has_metrics)
-        std::cerr << metrics_summary(rest.get(job_path(job.id) + "/artifacts/metrics.json"));
+        std::cerr << metrics_summary(
+            rest.get(api::client::job_path(job.id) + "/artifacts/metrics.json"));
     if (job.verdict) std::cerr << verdict_text(job.findings);
 }
 
@@ -138,7 +139,7 @@ void print_failure(api::client::RestClient& rest, const Job& job) {
     if (!job.failure.message.empty()) std::cerr << ": " << job.failure.message;
     std::cerr << '\n';
     if (!job.failure.remedy.empty()) std::cerr << "  " << job.failure.remedy << '\n';
-    const Dive dive = rest.get(dive_path(job.dive_id)).get<Dive>();
+    const Dive dive = rest.get(api::client::dive_path(job.dive_id)).get<Dive>();
     if (dive.state == DiveState::Refused) print_findings(rest, job.dive_id);
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "api/client/backoff.hpp"
+#include "api/client/dive_tar.hpp"
 #include "api/client/rest_client.hpp"
 #include "cli/progress_bar.hpp"
 #include "schemas/dive.hpp"
@@ -13,6 +14,9 @@ namespace divemesh::cli {
 
 // Shows "track  42 %  12.3 frames/s, 0:42 left" on the bar.
 void show_progress(ProgressBar& bar, const Progress& progress);
+
+// Returns a callback that shows on the bar how many of `total` bytes are done.
+api::client::BytesDone show_bytes(ProgressBar& bar, const std::string& label, std::int64_t total);
 
 // Prints "connection lost ...; again in 3 s" above the bar.
 api::client::Backoff::OnWait say_waiting(ProgressBar& bar);

@@ -32,10 +32,6 @@ std::string percent_text(double fraction) {
     return std::to_string(static_cast<int>(fraction * 100.0)) + " %";
 }
 
-std::string job_path(const std::string& job_id) {
-    return "/api/v1/jobs/" + client::percent_encode(job_id);
-}
-
 int list_jobs(client::RestClient& rest, const JobsOptions& options, const Context& context) {
     client::QueryParameters query;
     if (!options.dive_id.empty()) query.emplace_back("dive_id", options.dive_id);
@@ -71,7 +67,7 @@ void change_job(client::RestClient& rest, const JobsOptions& options) {
     nlohmann::json body = nlohmann::json::object();
     if (options.pause || options.resume) body["paused"] = options.pause;
     if (options.priority) body["priority"] = *options.priority;
-    if (!body.empty()) rest.patch(job_path(options.job_id), body);
+    if (!body.empty()) rest.patch(client::job_path(options.job_id), body);
 }
 
 int show_job(client::RestClient& rest, const JobsOptions& options) {
@@ -79,11 +75,11 @@ int show_job(client::RestClient& rest, const JobsOptions& options) {
     if (options.log) {
         const std::string attempt =
             options.attempt > 0 ? "/attempts/" + std::to_string(options.attempt) : "";
-        std::cout << rest.get_text(job_path(options.job_id) + attempt + "/log");
+        std::cout << rest.get_text(client::job_path(options.job_id) + attempt + "/log");
         return kExitDone;
     }
     if (!options.wait) {
-        std::cout << rest.get(job_path(options.job_id)).dump(2) << '\n';
+        std::cout << rest.get(client::job_path(options.job_id)).dump(2) << '\n';
         return kExitDone;
     }
     const Job job = wait_for_job(rest, options.job_id);
@@ -105,7 +101,7 @@ void add_job_action(CLI::App& app,
         context.command = [options, &context, name] {
             client::RestClient rest(account_of(options->server));
             const auto job =
-                rest.post(job_path(options->job_id) + "/" + name, nlohmann::json::object())
+                rest.post(client::job_path(options->job_id) + "/" + name, nlohmann::json::object())
                     .get<Job>();
             if (context.json)
                 std::cout << nlohmann::json(job).dump(2) << '\n';

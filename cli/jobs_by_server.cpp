@@ -18,24 +18,12 @@ namespace client = api::client;
 
 constexpr std::chrono::minutes kGiveUpAfter{10};
 
-std::string dive_path(const std::string& dive_id) {
-    return "/api/v1/dives/" + client::percent_encode(dive_id);
-}
-
-client::BytesDone show_bytes(ProgressBar& bar, const std::string& label, std::int64_t total) {
-    return [&bar, label, total, meter = TransferMeter()](std::int64_t done) mutable {
-        const double fraction =
-            total > 0 ? static_cast<double>(done) / static_cast<double>(total) : 1.0;
-        bar.show(label, fraction, meter.detail(done, total));
-    };
-}
-
 // Returns the id of the same bytes of that kind if the dive has them already; otherwise "".
 std::string find_truth(client::RestClient& rest,
                        const std::string& dive_id,
                        const std::string& kind,
                        const std::string& sha256) {
-    for (const auto& item : rest.list(dive_path(dive_id) + "/truth", {})) {
+    for (const auto& item : rest.list(client::dive_path(dive_id) + "/truth", {})) {
         const TruthFile file = item.get<TruthFile>();
         if (to_string(file.kind) == kind && file.sha256 == sha256) return file.id;
     }
@@ -78,7 +66,7 @@ bool is_job(const std::string& subject) { return subject.starts_with("job_"); }
 // Returns the dive of a reconstruction.
 std::string dive_of(client::RestClient& rest, const std::string& subject) {
     if (!is_job(subject)) return subject;
-    return rest.get("/api/v1/jobs/" + client::percent_encode(subject)).get<Job>().dive_id;
+    return rest.get(client::job_path(subject)).get<Job>().dive_id;
 }
 
 Job make_job(client::RestClient& rest, const ServerJob& wanted) {
@@ -93,8 +81,9 @@ Job make_job(client::RestClient& rest, const ServerJob& wanted) {
         options[option] = send_truth(rest, dive_of(rest, truth.subject), truth.kind, truth.file);
     client::Backoff backoff(kGiveUpAfter, {});
     return rest
-        .post_once(
-            dive_path(dive_id) + "/jobs", {{"kind", wanted.kind}, {"options", options}}, backoff)
+        .post_once(client::dive_path(dive_id) + "/jobs",
+                   {{"kind", wanted.kind}, {"options", options}},
+                   backoff)
         .get<Job>();
 }
 
@@ -120,7 +109,7 @@ int run_on_server(client::RestClient& rest,
         return kExitFailed;
     }
     if (!wanted.out.empty()) download_job(rest, job.id, {}, wanted.out);
-    return done("/api/v1/jobs/" + job.id + "/artifacts/");
+    return done(client::job_path(job.id) + "/artifacts/");
 }
 
 }  // namespace divemesh::cli

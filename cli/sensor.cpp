@@ -96,7 +96,7 @@ sensor::AgentSettings settings_of(const SensorOptions& options, const Printer& p
     settings.sensor_id = options.id;
     settings.state_folder = state_folder_of(options);
     settings.view = view_of(options.view);
-    settings.quick_look = settings.quick_look || settings.draw_tracks;
+    settings.assess_dive = settings.assess_dive || settings.draw_tracks;
     if (options.back_in_s > 0.0) settings.back_in_s = options.back_in_s;
     settings.link.on_event = print;
     settings.over_after = over_after(options);
@@ -178,7 +178,7 @@ void add_agent_options(CLI::App& command, SensorOptions& options) {
     command.add_option("--view", options.view, "camera of the previews: cam0, cam1 or pair")
         ->capture_default_str();
     command.add_flag("--quick-look",
-                     agent.quick_look,
+                     agent.assess_dive,
                      "track features twice a second and report distance, coverage and drift");
     command.add_flag(
         "--draw-tracks", agent.draw_tracks, "draw the feature tracks into the previews");

@@ -39,13 +39,6 @@ struct HashedSource {
     std::string filename;
 };
 
-client::BytesDone show_bytes(ProgressBar& bar, const std::string& label, std::int64_t total) {
-    return [&bar, label, total, meter = TransferMeter()](std::int64_t done) mutable {
-        const double fraction = static_cast<double>(done) / static_cast<double>(total);
-        bar.show(label, fraction, meter.detail(done, total));
-    };
-}
-
 HashedSource open_source(const fs::path& dive, ProgressBar& bar) {
     const std::string name = fs::canonical(dive).filename().string();
     if (!fs::is_directory(dive)) {
@@ -173,7 +166,7 @@ Job ensure_job(client::RestClient& rest,
         if (usable && job.preset == preset.preset && job.options == overrides) return job;
     }
     return rest
-        .post_once("/api/v1/dives/" + client::percent_encode(dive.id) + "/jobs",
+        .post_once(client::dive_path(dive.id) + "/jobs",
                    {{"kind", "reconstruct"}, {"preset", preset.preset}, {"options", overrides}},
                    backoff)
         .get<Job>();

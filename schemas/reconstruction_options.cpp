@@ -23,13 +23,13 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("use_imu", options.use_imu, "use the IMU if the dive has one");
     visit("use_ahrs", options.use_ahrs, "use the absolute orientation if the dive has it");
     visit("use_pressure", options.use_pressure, "use the depth from the pressure sensor if the dive has it");
-    visit("align_imu", options.align_imu, "estimate time offset and rotation between IMU and cameras (window estimator)");
+    visit("align_imu", options.align_imu, "estimate time offset and rotation between IMU and cameras (sliding window)");
     visit("close_loops", options.close_loops, "recognise revisited places and use them in the bundle adjustment");
     visit("surface", options.surface, "make the cloud, the mesh and what depends on them; false: only the trajectory");
     visit("map_step", options.map_step, "motion of the image between fused frames, as a share of its width, or of the camera as if sideways; 0: only keyframes");
     visit("seed", options.seed, "seed of the random numbers of RANSAC");
-    visit("adjust_whole_dive", options.adjust_whole_dive, "run bundle adjustment over the whole dive (window estimator)");
-    visit("refine_lenses", options.refine_lenses, "refine focal length, principal point, distortion and the readout time of a rolling shutter in the bundle adjustment (window estimator)");
+    visit("adjust_whole_dive", options.adjust_whole_dive, "run bundle adjustment over the whole dive (sliding window)");
+    visit("refine_lenses", options.refine_lenses, "refine focal length, principal point, distortion and the readout time of a rolling shutter in the bundle adjustment (sliding window)");
     visit("marker_family", options.marker_family, "family of AprilTags to detect: tag36h11, tag25h9, tagStandard41h12; empty: from markers.json");
     visit("marker_size_m", options.marker_size_m, "printed size of the tags, m, as defined in docs/markers.md; 0: from markers.json");
     visit("correct_scale", options.correct_scale, "scale of the whole result: on (by the known distances between markers), off, or auto (where known distances, accelerometer or pressure measure it better than the cameras, or contradict them)");

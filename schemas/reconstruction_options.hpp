@@ -60,8 +60,6 @@ struct ReconstructionOptions {
     // Limit for voxels and points in memory; more goes to the scratch folder.
     std::int64_t fusion_memory_bytes = std::int64_t{1} << 30;
 
-    bool is_pairwise() const { return estimator == "pairwise"; }
-
     bool operator==(const ReconstructionOptions&) const = default;
 };
 

@@ -40,9 +40,9 @@ nlohmann::json newest_word(const Sensor& sensor) {
     nlohmann::json word = sensor.status;
     std::int64_t reported_at_ms = word.contains("pictures") ? sensor.status_at_ms : 0;
     for (const auto& [camera, preview] : sensor.previews) {
-        const auto pictures = preview.about.find("pictures");
-        if (pictures == preview.about.end() || preview.time_ms < reported_at_ms) continue;
-        word["pictures"] = *pictures;
+        const auto images = preview.about.find("pictures");
+        if (images == preview.about.end() || preview.time_ms < reported_at_ms) continue;
+        word["pictures"] = *images;
         reported_at_ms = preview.time_ms;
     }
     return word;

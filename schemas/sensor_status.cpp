@@ -100,7 +100,7 @@ public:
             return fail("dive_plan", "must be an object with \"back_in_s\"");
         number((*value)["back_in_s"], "dive_plan/back_in_s", 0.0, kMaxDive_s);
     }
-    void pictures() {
+    void images() {
         const json* value = find("pictures");
         if (value == nullptr) return;
         if (!value->is_object()) return fail("pictures", "must be an object");
@@ -186,7 +186,7 @@ void check_status(const json& status, const std::string& pointer) {
     check.errors();
     check.orientation();
     check.plan();
-    check.pictures();
+    check.images();
     check.finish();
 }
 

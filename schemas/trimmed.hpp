@@ -4,11 +4,12 @@
 
 namespace divemesh {
 
-// Returns a text without the blanks and tabs at its ends.
+// Returns a text without the blanks, tabs and carriage returns at its ends.
 inline std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t");
+    constexpr std::string_view kBlank = " \t\r";
+    const auto first = text.find_first_not_of(kBlank);
     if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+    return text.substr(first, text.find_last_not_of(kBlank) - first + 1);
 }
 
 }  // namespace divemesh

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "schemas/error.hpp"
+#include "schemas/wall_clock.hpp"
 #include "sensor/clock/uptime.hpp"
 #include "sensor/device_state.hpp"
 #include "sensor/status_maker.hpp"
@@ -104,7 +105,7 @@ void Agent::step(Clock::time_point now) {
     const bool shows = is_due(preview_at_, now, settings_.preview_period_s);
     const bool tells = is_due(status_at_, now, settings_.status_period_s);
     const bool looks =
-        settings_.quick_look && is_due(assessment_at_, now, 1.0 / settings_.assessment_rate_hz);
+        settings_.assess_dive && is_due(assessment_at_, now, 1.0 / settings_.assessment_rate_hz);
     if (shows || tells || looks) {
         source_->update(now);
         scan_dives(now);
@@ -123,7 +124,7 @@ void Agent::scan_dives(Clock::time_point now) {
         if (uploads_) uploads_->over(*dive);
         if (settings_.on_dive_over) settings_.on_dive_over(*dive);
     }
-    if (uploads_) uploads_->look(*source_, now);
+    if (uploads_) uploads_->scan(*source_, now);
 }
 
 void Agent::check_image() {
@@ -136,11 +137,11 @@ void Agent::check_image() {
     auto newest = source_->newest_frame();
     if (!newest || (frame_ && frame_->timestamp_ns == newest->timestamp_ns)) return;
     frame_ = std::move(newest);
-    // Not at each quick look, because it takes longer than decoding the image.
+    // Not at each dive assessment, because it takes longer than decoding the image.
     const bool is_new_dive = !images_.shares();
     if (source_->state().is_recording &&
         (is_due(measure_at_, Clock::now(), kMeasurePeriod_s) || is_new_dive))
-        quality_ = images_.look(frame_->left, frame_->timestamp_ns);
+        quality_ = images_.check(frame_->left, frame_->timestamp_ns);
 }
 
 void Agent::assess_dive() {
@@ -148,13 +149,13 @@ void Agent::assess_dive() {
     const auto before = source_->newest_frame(frame_->timestamp_ns);
     if (!before) return;
     if (!assessment_) assessment_ = std::make_unique<DiveAssessment>(dive_root_);
-    assessment_->look(*before, *frame_, quality_);
+    assessment_->add(*before, *frame_, quality_);
 }
 
 void Agent::say_status() {
     StatusParts parts;
     parts.recording = source_->state();
-    parts.pictures = images_.shares();
+    parts.images = images_.shares();
     parts.link = link_->state();
     parts.battery = battery_level(settings_.battery_file);
     parts.link_rssi_dbm = link_rssi_dbm();
@@ -165,7 +166,7 @@ void Agent::say_status() {
         const double left_s = *settings_.back_in_s - static_cast<double>(parts.uptime_ms) / 1000.0;
         if (left_s > 0.0) parts.back_in_s = left_s;
     }
-    if (assessment_) parts.quick_look = assessment_->report();
+    if (assessment_) parts.assessment = assessment_->report();
     if (const std::string trouble = ring_.trouble(); !trouble.empty())
         parts.errors.push_back("messages are kept only in memory, not on disk: " + trouble);
     if (const std::string trouble = uploads_ ? uploads_->trouble() : ""; !trouble.empty())

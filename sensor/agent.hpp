@@ -29,8 +29,8 @@ struct AgentSettings {
     double status_period_s = 1.0;
     double preview_period_s = 5.0;  // 0: only previews by command
     View view = View::Left;
-    bool draw_tracks = false;  // only with quick_look
-    bool quick_look = false;
+    bool draw_tracks = false;  // only with assess_dive
+    bool assess_dive = false;
     double assessment_rate_hz = 2.0;
     std::filesystem::path battery_file;  // "": the machine's own battery
     std::optional<double> back_in_s;     // when the team is expected back, from the start
@@ -59,7 +59,6 @@ public:
     void step(Clock::time_point now);
 
     const MessageRing& ring() const { return ring_; }
-    LinkState link_state() const { return link_->state(); }
     bool is_uploading() const { return uploads_ && !uploads_->is_idle(); }
     bool has_upload_failed() const { return uploads_ && uploads_->has_failed(); }
 

@@ -57,12 +57,12 @@ json make_status(const StatusParts& parts) {
     set(status, "battery", parts.battery);
     set(status, "link_rssi_dbm", parts.link_rssi_dbm);
     if (parts.link.bytes_per_s > 0.0) status["link_bytes_per_s"] = parts.link.bytes_per_s;
-    if (parts.pictures)
-        status["pictures"] = {{"dark", parts.pictures->dark},
-                              {"blurred", parts.pictures->blurred},
-                              {"frozen", parts.pictures->frozen}};
+    if (parts.images)
+        status["pictures"] = {{"dark", parts.images->dark},
+                              {"blurred", parts.images->blurred},
+                              {"frozen", parts.images->frozen}};
     if (parts.back_in_s) status["dive_plan"] = {{"back_in_s", *parts.back_in_s}};
-    if (!parts.quick_look.is_null()) status["quick_look"] = parts.quick_look;
+    if (!parts.assessment.is_null()) status["quick_look"] = parts.assessment;
     set_clock(parts, status);
     set_errors(parts, status);
     return status;

@@ -7,7 +7,7 @@
 #include <mutex>
 #include <set>
 
-#include "api/stream.hpp"
+#include "api/client/stream.hpp"
 
 namespace divemesh::server {
 
@@ -18,7 +18,7 @@ public:
     Connection(boost::asio::ip::tcp::socket socket, std::shared_ptr<boost::asio::ssl::context> tls)
         : stream(std::move(socket), tls.get()), tls_(std::move(tls)) {}
 
-    api::Stream stream;
+    api::client::Stream stream;
     boost::beast::flat_buffer buffer;  // received but not yet parsed bytes
     bool stopping = false;             // no further request is taken
 

@@ -38,7 +38,7 @@ asio::awaitable<void> EventHub::run() {
     while (!stopping_) {
         if (num_watchers() > 0) {
             try {
-                co_await look();
+                co_await poll();
             } catch (const std::exception& error) {
                 log_warning({{"event", "events_unavailable"}, {"what", error.what()}});
             }
@@ -49,7 +49,7 @@ asio::awaitable<void> EventHub::run() {
 }
 
 // The first read, and a read that finds more than a page, start over at the newest event.
-asio::awaitable<void> EventHub::look() {
+asio::awaitable<void> EventHub::poll() {
     auto ask = [this] {
         storage::EventStore store(catalog_);
         const std::int64_t newest = store.newest_sequence();

@@ -53,7 +53,7 @@ public:
     std::size_t num_watchers() const;
 
 private:
-    boost::asio::awaitable<void> look();
+    boost::asio::awaitable<void> poll();
     void keep(const SerialisedEvents& events);
 
     storage::Catalog& catalog_;

@@ -76,7 +76,8 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     body.data = buffer.data();
     body.size = buffer.size();
     body.more = true;
-    if (buffer.size() >= api::kReadBytes) connection_->buffer.reserve(api::kReadBytes);
+    if (buffer.size() >= api::client::kReadBytes)
+        connection_->buffer.reserve(api::client::kReadBytes);
     // Reads one part if the link is slow, as many as fit if more have arrived already.
     bool more = true;
     while (!error && more) {

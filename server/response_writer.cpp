@@ -73,7 +73,7 @@ asio::awaitable<Chunk> read_chunk(api::FilePart part, api::Services services, Ch
 // Sends from the file into the socket as much as it takes now: no bytes over TLS, or if the blob is
 // not a file. Parts through memory come before and between: reads from the disk wait in the pool,
 // and a full socket has a timeout.
-void send_directly(api::Stream& stream, api::FilePart& part) {
+void send_directly(api::client::Stream& stream, api::FilePart& part) {
     const int file = part.reader->descriptor();
     if (file < 0 || stream.tls() != nullptr) return;
     boost::beast::error_code closed;

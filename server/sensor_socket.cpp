@@ -16,9 +16,9 @@
 #include "api/parse_json.hpp"
 #include "api/sensors/report_queue.hpp"
 #include "api/sensors/sensor_hub.hpp"
-#include "api/wall_clock.hpp"
 #include "schemas/log.hpp"
 #include "schemas/sensor_message.hpp"
+#include "schemas/wall_clock.hpp"
 #include "server/web_socket.hpp"
 #include "storage/command_store.hpp"
 
@@ -247,7 +247,7 @@ public:
 
 private:
     static std::string welcome() {
-        return api::json_text({{"welcome", {{"time_ms", api::now_ms()}}}});
+        return api::json_text({{"welcome", {{"time_ms", wall_time_ms()}}}});
     }
 
     asio::awaitable<bool> round() {
@@ -301,7 +301,7 @@ private:
                 api::json_text({{"command",
                                  {{"id", command.id},
                                   {"name", command.name},
-                                  {"arguments", arguments_at(command, api::now_ms())},
+                                  {"arguments", arguments_at(command, wall_time_ms())},
                                   {"expires_at_ms", command.expires_at_ms}}}});
             goes_on = co_await write(sensor_, std::move(frame));
         }

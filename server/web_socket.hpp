@@ -8,14 +8,14 @@
 #include <cstddef>
 #include <string>
 
+#include "api/client/stream.hpp"
 #include "api/services.hpp"
-#include "api/stream.hpp"
 #include "server/server.hpp"
 
 namespace divemesh::server {
 
 // Without compression: events are small, and images are compressed already.
-using WebSocket = boost::beast::websocket::stream<api::Stream&, false>;
+using WebSocket = boost::beast::websocket::stream<api::client::Stream&, false>;
 
 inline constexpr auto kAwaitErrors = boost::asio::as_tuple(boost::asio::use_awaitable);
 inline constexpr std::chrono::seconds kTokenTrusted{1};  // until it is checked again

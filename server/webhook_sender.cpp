@@ -96,7 +96,7 @@ asio::awaitable<int> send(storage::DueDelivery due,
     auto message = message_of(due, target);
     const Addresses found = co_await resolve_within(target.host, target.port, kResolveTimeout);
     check_addresses(found, target, services.limits.webhook_networks);
-    api::Stream::Tls stream(executor, *tls);
+    api::client::Stream::Tls stream(executor, *tls);
     auto& plain = beast::get_lowest_layer(stream);
     plain.expires_after(kTimeout);
     co_await plain.async_connect(found, asio::use_awaitable);

@@ -15,7 +15,7 @@ namespace divemesh::server {
 
 // Sends the due deliveries of the outbox, signed as in Standard Webhooks, and records the outcome.
 // Each webhook gets one message at a time, so a dead receiver does not delay the others. A message
-// goes only to a checked address (S31): the name is resolved once, every address of it must be
+// goes only to a checked address: the name is resolved once, every address of it must be
 // public or allowed, and the connection goes to one of exactly these. Redirects are not followed
 // and the response's body is not read. The name may take 5 s, the rest 15 s. A message may arrive
 // twice if the server is killed meanwhile: receivers tell by webhook-id.

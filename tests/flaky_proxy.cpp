@@ -56,7 +56,7 @@ struct FlakyProxy::Implementation {
         auto link = std::make_shared<Link>(Link{std::move(client), tcp::socket(io)});
         const auto [error] = co_await link->server.async_connect(target, kAwaitErrors);
         if (error) co_return;
-        links.push_back(link);  // kept, so that nobody hears of a cut
+        links.push_back(link);  // kept open, so that neither side notices the cut
         asio::co_spawn(io, pass_down(link), asio::detached);
         co_await pass_up(link);
     }
@@ -95,7 +95,7 @@ struct FlakyProxy::Implementation {
         for (;;) {
             const auto [error, n] =
                 co_await link->server.async_read_some(asio::buffer(buffer), kAwaitErrors);
-            if (link->is_cut) co_return;  // what the server says reaches nobody
+            if (link->is_cut) co_return;  // drops what the server sends
             if (error) break;
             const auto [failure, sent] =
                 co_await asio::async_write(link->client, asio::buffer(buffer, n), kAwaitErrors);

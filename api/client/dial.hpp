@@ -7,7 +7,7 @@
 #include <memory>
 
 #include "api/client/server_address.hpp"
-#include "api/stream.hpp"
+#include "api/client/stream.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api::client {

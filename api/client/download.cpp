@@ -39,7 +39,7 @@ bool has_hash(const fs::path& file, const Artifact& artifact) {
 }
 
 std::string artifact_path(const Artifact& artifact) {
-    std::string path = "/api/v1/jobs/" + percent_encode(artifact.job_id) + "/artifacts";
+    std::string path = job_path(artifact.job_id) + "/artifacts";
     for (const auto& part : fs::path(artifact.name)) {
         path += '/';
         path += percent_encode(part.string());

@@ -68,18 +68,16 @@ Job follow_job(RestClient& rest,
                const std::string& job_id,
                const OnJob& on_job,
                const Backoff::OnWait& on_wait) {
-    return follow<Job>(
-        rest, "/api/v1/jobs/" + percent_encode(job_id), job_id, on_wait, [&](const Job& job) {
-            on_job(job);
-            return is_finished(job.state);
-        });
+    return follow<Job>(rest, job_path(job_id), job_id, on_wait, [&](const Job& job) {
+        on_job(job);
+        return is_finished(job.state);
+    });
 }
 
 Dive follow_dive(RestClient& rest, const std::string& dive_id, const Backoff::OnWait& on_wait) {
-    return follow<Dive>(
-        rest, "/api/v1/dives/" + percent_encode(dive_id), dive_id, on_wait, [](const Dive& dive) {
-            return dive.state != DiveState::Checking;
-        });
+    return follow<Dive>(rest, dive_path(dive_id), dive_id, on_wait, [](const Dive& dive) {
+        return dive.state != DiveState::Checking;
+    });
 }
 
 }  // namespace divemesh::api::client

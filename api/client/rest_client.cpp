@@ -73,6 +73,12 @@ std::string percent_encode(std::string_view text) {
     return result;
 }
 
+std::string job_path(std::string_view job_id) { return "/api/v1/jobs/" + percent_encode(job_id); }
+
+std::string dive_path(std::string_view dive_id) {
+    return "/api/v1/dives/" + percent_encode(dive_id);
+}
+
 Error error_of(const HttpResponse& response) {
     std::string message = "the server answered " + std::to_string(response.status);
     const auto problem = nlohmann::json::parse(response.body, nullptr, false);

@@ -23,6 +23,10 @@ using QueryParameters = std::vector<std::pair<std::string, std::string>>;
 // Escapes all but unreserved characters (RFC 3986), for a path or a query.
 std::string percent_encode(std::string_view text);
 
+// Return the path of a job, of a dive.
+std::string job_path(std::string_view job_id);
+std::string dive_path(std::string_view dive_id);
+
 // Returns the Error that a server's response means, made from its problem+json.
 Error error_of(const HttpResponse& response);
 

@@ -15,7 +15,7 @@ Awaitable<Response> get_liveness(Request, Services) {
 
 Awaitable<Response> get_readiness(Request, Services services) {
     auto look = [services] {
-        return services.readiness.look(
+        return services.readiness.check(
             services.catalog, services.blobs, services.limits.min_free_bytes);
     };
     const Readiness::Result result = co_await in_pool(services.pool, std::move(look));

@@ -86,7 +86,7 @@ Job shown_job(const Request& request, const Services& services, storage::Catalog
     return job;
 }
 
-storage::Catalog audited_if_match(const Services& services, const Request& request) {
+storage::Catalog audited_if_job_matches(const Services& services, const Request& request) {
     return audited_if_match(services, request, [services, request] {
         return shown_job(request, services, services.catalog);
     });
@@ -133,32 +133,29 @@ Awaitable<Response> get_job(Request request, Services services) {
 }
 
 Awaitable<Response> change_job(Request request, Services services) {
-    auto work = [services, request] {
-        const std::string id = visible_job(request, services.catalog).id;
-        auto catalog = audited_if_match(services, request);
-        return storage::JobStore(catalog).change(id, job_change(request));
+    auto change = [services](const Request& asked) {
+        const std::string id = visible_job(asked, services.catalog).id;
+        auto catalog = audited_if_job_matches(services, asked);
+        return storage::JobStore(catalog).change(id, job_change(asked));
     };
-    const Job job = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, job);
+    return change_resource(std::move(request), services, change);
 }
 
 Awaitable<Response> cancel_job(Request request, Services services) {
-    auto work = [services, request] {
-        auto catalog = audited_if_match(services, request);
-        return storage::JobStore(catalog).cancel(visible_job(request, catalog).id);
+    auto cancel = [services](const Request& asked) {
+        auto catalog = audited_if_job_matches(services, asked);
+        return storage::JobStore(catalog).cancel(visible_job(asked, catalog).id);
     };
-    const Job job = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, job);
+    return change_resource(std::move(request), services, cancel);
 }
 
 Awaitable<Response> retry_job(Request request, Services services) {
-    auto work = [services, request] {
+    auto retry = [services](const Request& asked) {
         require_room(services);
-        auto catalog = audited_if_match(services, request);
-        return storage::JobStore(catalog).retry(visible_job(request, catalog).id);
+        auto catalog = audited_if_job_matches(services, asked);
+        return storage::JobStore(catalog).retry(visible_job(asked, catalog).id);
     };
-    const Job job = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, job);
+    return change_resource(std::move(request), services, retry);
 }
 
 Awaitable<Response> get_job_log(Request request, Services services) {

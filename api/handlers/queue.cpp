@@ -28,9 +28,9 @@ std::string project_of(const Request& request, const std::string& wanted) {
     return visible;
 }
 
-storage::Catalog audited_if_match(const Services& services,
-                                  const Request& request,
-                                  const std::string& project) {
+storage::Catalog audited_if_queue_matches(const Services& services,
+                                          const Request& request,
+                                          const std::string& project) {
     return audited_if_match(services, request, [&catalog = services.catalog, project] {
         return storage::QueueStore(catalog).get(project);
     });
@@ -68,12 +68,11 @@ Awaitable<Response> change_queue(Request request, Services services) {
     storage::QueueChange change;
     if (body.contains("paused")) change.paused = value_or<bool>(body, "paused", false);
     if (body.contains("max_running")) change.max_running = value_or<int>(body, "max_running", 0);
-    auto work = [services, request, project, change] {
-        auto catalog = audited_if_match(services, request, project);
+    auto apply = [services, project, change](const Request& asked) {
+        auto catalog = audited_if_queue_matches(services, asked, project);
         return storage::QueueStore(catalog).change(project, change);
     };
-    const Queue queue = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, queue);
+    return change_resource(std::move(request), services, apply);
 }
 
 Awaitable<Response> redrive_queue(Request request, Services services) {
@@ -82,7 +81,7 @@ Awaitable<Response> redrive_queue(Request request, Services services) {
     const int limit = value_or<int>(body, "limit", 100);
     auto work = [services, request, project, limit] {
         require_room(services);
-        auto catalog = audited_if_match(services, request, project);
+        auto catalog = audited_if_queue_matches(services, request, project);
         return storage::JobStore(catalog).redrive(project, limit);
     };
     const auto jobs = co_await in_pool(services.pool, std::move(work));
@@ -104,20 +103,19 @@ Awaitable<Response> get_worker(Request request, Services services) {
 }
 
 Awaitable<Response> change_worker(Request request, Services services) {
-    auto work = [services, request] {
-        const std::string& name = request.parameter("worker_name");
-        auto catalog = audited_if_match(services, request, [&all = services.catalog, name] {
+    auto change = [services](const Request& asked) {
+        const std::string& name = asked.parameter("worker_name");
+        auto catalog = audited_if_match(services, asked, [&all = services.catalog, name] {
             return storage::WorkerStore(all).get(name);
         });
         storage::WorkerStore workers(catalog);
         workers.get(name);
-        const auto body = json_body(request, {"draining"});
+        const auto body = json_body(asked, {"draining"});
         if (!body.contains("draining"))
             throw Error(ErrorCode::InvalidArgument, "\"draining\" is missing: give true or false");
         return workers.set_draining(name, value_or<bool>(body, "draining", false));
     };
-    const Worker worker = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, worker);
+    return change_resource(std::move(request), services, change);
 }
 
 }  // namespace divemesh::api

@@ -39,10 +39,33 @@ Awaitable<Response> get_page(Request request, Services services, Read read) {
     co_return list_response<Value>(request, page.items, page.next_cursor);
 }
 
+// Changes a resource. `change` takes the request, audits what it does and returns what the resource
+// became. Responds with 200 and that.
+template <typename Change>
+Awaitable<Response> change_resource(Request request, Services services, Change change) {
+    auto work = [request, change] { return change(request); };
+    const auto changed = co_await in_pool(services.pool, std::move(work));
+    co_return json_response(http::status::ok, changed);
+}
+
+// Deletes a resource that GET shows as `read` returns it, so If-Match may name its tag. `remove`
+// gets a catalog that audits the change, see audited_if_match(). Responds with 204.
+template <typename Read, typename Remove>
+Awaitable<Response> delete_resource(Request request, Services services, Read read, Remove remove) {
+    auto work = [services, request, read, remove] {
+        auto catalog = audited_if_match(services, request, [services, request, read] {
+            return nlohmann::json(read(request, services.catalog));
+        });
+        remove(request, catalog);
+    };
+    co_await in_pool(services.pool, std::move(work));
+    co_return empty_response(http::status::no_content);
+}
+
 // Deletes a resource that has no tag, because it has no GET of its own. `remove` gets a catalog
 // that audits the change, see audited(). Responds with 204.
 template <typename Remove>
-Awaitable<Response> delete_resource(Request request, Services services, Remove remove) {
+Awaitable<Response> delete_untagged_resource(Request request, Services services, Remove remove) {
     require_no_tag(request);
     auto work = [services, request, remove] {
         auto catalog = audited(services, request);

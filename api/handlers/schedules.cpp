@@ -66,7 +66,7 @@ Awaitable<Response> delete_schedule(Request request, Services services) {
     auto remove = [](const Request& asked, storage::Catalog& catalog) {
         storage::ScheduleStore(catalog).remove(visible_schedule(asked, catalog).id);
     };
-    return delete_resource(std::move(request), services, remove);
+    return delete_resource(std::move(request), services, visible_schedule, remove);
 }
 
 }  // namespace divemesh::api

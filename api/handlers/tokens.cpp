@@ -58,7 +58,7 @@ Awaitable<Response> revoke_token(Request request, Services services) {
         storage::TokenStore(catalog).revoke(asked.parameter("token_id"));
         services.tokens.clear();
     };
-    return delete_resource(std::move(request), services, revoke);
+    return delete_untagged_resource(std::move(request), services, revoke);
 }
 
 Awaitable<Response> create_one_shot_token(Request request, Services services) {

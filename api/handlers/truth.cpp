@@ -6,6 +6,14 @@
 #include "storage/truth_store.hpp"
 
 namespace divemesh::api {
+namespace {
+
+auto shown_truth(const Request& request, storage::Catalog& catalog) {
+    const Dive dive = visible_dive(request, catalog);
+    return storage::TruthStore(catalog).get(dive.id, request.parameter("truth_id"));
+}
+
+}  // namespace
 
 Awaitable<Response> list_truth(Request request, Services services) {
     auto read = [](const Request& asked, storage::Catalog& catalog) {
@@ -15,11 +23,7 @@ Awaitable<Response> list_truth(Request request, Services services) {
 }
 
 Awaitable<Response> get_truth(Request request, Services services) {
-    auto read = [](const Request& asked, storage::Catalog& catalog) {
-        const Dive dive = visible_dive(asked, catalog);
-        return storage::TruthStore(catalog).get(dive.id, asked.parameter("truth_id"));
-    };
-    return get_resource(std::move(request), services, read);
+    return get_resource(std::move(request), services, shown_truth);
 }
 
 Awaitable<Response> delete_truth(Request request, Services services) {
@@ -28,7 +32,7 @@ Awaitable<Response> delete_truth(Request request, Services services) {
         storage::TruthStore(catalog).remove(dive.id, asked.parameter("truth_id"));
         remove_deleted_truth(services);
     };
-    return delete_resource(std::move(request), services, remove);
+    return delete_resource(std::move(request), services, shown_truth, remove);
 }
 
 }  // namespace divemesh::api

@@ -76,17 +76,16 @@ Awaitable<Response> delete_webhook(Request request, Services services) {
     auto remove = [](const Request& asked, storage::Catalog& catalog) {
         storage::WebhookStore(catalog).remove(asked.parameter("webhook_id"));
     };
-    return delete_resource(std::move(request), services, remove);
+    return delete_untagged_resource(std::move(request), services, remove);
 }
 
 Awaitable<Response> enable_webhook(Request request, Services services) {
     require_no_tag(request);
-    auto work = [services, request] {
-        auto catalog = audited(services, request);
-        return storage::WebhookStore(catalog).enable(request.parameter("webhook_id"));
+    auto enable = [services](const Request& asked) {
+        auto catalog = audited(services, asked);
+        return storage::WebhookStore(catalog).enable(asked.parameter("webhook_id"));
     };
-    const Webhook webhook = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, webhook);
+    return change_resource(std::move(request), services, enable);
 }
 
 Awaitable<Response> list_webhook_deliveries(Request request, Services services) {
@@ -99,13 +98,12 @@ Awaitable<Response> list_webhook_deliveries(Request request, Services services) 
 
 Awaitable<Response> redeliver_webhook(Request request, Services services) {
     require_no_tag(request);
-    auto work = [services, request] {
-        auto catalog = audited(services, request);
-        return storage::WebhookStore(catalog).redeliver(request.parameter("webhook_id"),
-                                                        request.parameter("delivery_id"));
+    auto redeliver = [services](const Request& asked) {
+        auto catalog = audited(services, asked);
+        return storage::WebhookStore(catalog).redeliver(asked.parameter("webhook_id"),
+                                                        asked.parameter("delivery_id"));
     };
-    const WebhookDelivery delivery = co_await in_pool(services.pool, std::move(work));
-    co_return json_response(http::status::ok, delivery);
+    return change_resource(std::move(request), services, redeliver);
 }
 
 }  // namespace divemesh::api

@@ -97,7 +97,7 @@ void ReportQueue::commit(std::vector<Waiting> group) {
     std::exception_ptr failure;
     try {
         outcomes = storage::SensorStore(catalog_).receive(
-            reports, has_room_() ? storage::kMaxPreviews : storage::kFewPreviews);
+            reports, has_room_() ? storage::kMaxPreviews : storage::kMaxPreviewsWhenFull);
     } catch (...) {
         failure = std::current_exception();
     }

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "api/http.hpp"
-#include "api/wall_clock.hpp"
 #include "schemas/merge_patch.hpp"
+#include "schemas/wall_clock.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -65,7 +65,7 @@ void SensorHub::publish(const Sensor& sensor) {
     Entry& entry = entries_[sensor.id];
     if (entry.snapshot && sensor.seen_at_ms < entry.sensor.seen_at_ms) return;
     entry.sensor = sensor;
-    renew(entry, now_ms());
+    renew(entry, wall_time_ms());
 }
 
 void SensorHub::introduce(const Sensor& sensor) {
@@ -73,11 +73,11 @@ void SensorHub::introduce(const Sensor& sensor) {
     Entry& entry = entries_[sensor.id];
     if (entry.snapshot) return;
     entry.sensor = sensor;
-    renew(entry, now_ms());
+    renew(entry, wall_time_ms());
 }
 
 void SensorHub::look_at_the_time() {
-    const std::int64_t now = now_ms();
+    const std::int64_t now = wall_time_ms();
     const std::lock_guard lock(mutex_);
     for (auto& [id, entry] : entries_)
         if (entry.snapshot) renew(entry, now);

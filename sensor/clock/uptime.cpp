@@ -1,6 +1,5 @@
 #include "sensor/clock/uptime.hpp"
 
-#include <chrono>
 #include <ctime>
 #include <sys/timex.h>
 
@@ -18,12 +17,6 @@ const std::int64_t kStart_ms = since_boot_ms();
 }  // namespace
 
 std::int64_t uptime_ms() { return since_boot_ms() - kStart_ms; }
-
-std::int64_t wall_time_ms() {
-    return std::chrono::duration_cast<std::chrono::milliseconds>(
-               std::chrono::system_clock::now().time_since_epoch())
-        .count();
-}
 
 bool is_wall_time_synchronised() {
     timex state{};

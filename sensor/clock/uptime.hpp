@@ -8,9 +8,6 @@ namespace divemesh::sensor {
 // on while the machine sleeps.
 std::int64_t uptime_ms();
 
-// Returns unix milliseconds by the machine's own clock, which may be wrong.
-std::int64_t wall_time_ms();
-
 // Returns whether a source (NTP, a GPS receiver) keeps the machine's clock right.
 bool is_wall_time_synchronised();
 

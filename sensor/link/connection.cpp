@@ -52,7 +52,7 @@ struct Connection::Implementation {
 
     std::unique_ptr<asio::ssl::context> tls;
     asio::io_context context;
-    websocket::stream<api::Stream, false> socket;  // images are compressed already
+    websocket::stream<api::client::Stream, false> socket;  // images are compressed already
     beast::flat_buffer buffer;
     struct Frame {
         std::string bytes;

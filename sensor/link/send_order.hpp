@@ -29,8 +29,6 @@ public:
     // Call it when the connection ended: messages under way have to be sent again.
     void give_back();
 
-    const std::set<MessageRing::Key>& in_flight() const { return in_flight_; }
-
 private:
     std::optional<MessageRing::Key> live(MessageKind kind) const;
 

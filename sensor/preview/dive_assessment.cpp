@@ -83,9 +83,9 @@ DiveAssessment::DiveAssessment(const std::filesystem::path& dive_root)
 
 DiveAssessment::~DiveAssessment() = default;
 
-void DiveAssessment::look(const FrameImages& before,
-                          const FrameImages& now,
-                          const ImageQuality& quality) {
+void DiveAssessment::add(const FrameImages& before,
+                         const FrameImages& now,
+                         const ImageQuality& quality) {
     auto& own = *implementation_;
     own.quality = quality;
     own.points.clear();

@@ -21,9 +21,8 @@ public:
     explicit DiveAssessment(const std::filesystem::path& dive_root);
     ~DiveAssessment();
 
-    // Assesses two consecutive frames, with the quality of a recent image; takes tens of
-    // milliseconds.
-    void look(const FrameImages& before, const FrameImages& now, const ImageQuality& quality);
+    // Adds two consecutive frames, with the quality of a recent image; takes tens of milliseconds.
+    void add(const FrameImages& before, const FrameImages& now, const ImageQuality& quality);
 
     // Returns "features", "coverage" (share of a grid of the image that has some), "mean_level",
     // "black", "bright", "sharpness". Once measured also "tracked", "distance_m",

@@ -80,7 +80,7 @@ ImageQuality measure_image(const cv::Mat& grey) {
     return quality;
 }
 
-ImageQuality ImageCheck::look(const cv::Mat& image, std::int64_t timestamp_ns) {
+ImageQuality ImageCheck::check(const cv::Mat& image, std::int64_t timestamp_ns) {
     const cv::Mat grey = grey_of(image);
     ImageQuality quality = measure_image(grey);
     if (timestamp_ns == before_ns_) return quality;

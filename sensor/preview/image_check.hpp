@@ -30,7 +30,7 @@ public:
     };
 
     // Measures an image, CV_8UC1 or BGR. The same stamp again does not count as a new image.
-    ImageQuality look(const cv::Mat& image, std::int64_t timestamp_ns);
+    ImageQuality check(const cv::Mat& image, std::int64_t timestamp_ns);
     std::optional<Shares> shares() const;  // of the last 20; nullopt before the first
     void forget();                         // call it for another dive
 

@@ -64,7 +64,7 @@ public:
         check_storage(folder_);
         if (!scan_error_.empty()) state_.errors.push_back(scan_error_);
         if (dive_)
-            look(now);
+            update_dive(now);
         else
             state_.is_recording = false;
     }
@@ -96,7 +96,7 @@ private:
         // recorded.
         knows_begin_ = !is_first;
     }
-    void look(Clock::time_point now) {
+    void update_dive(Clock::time_point now) {
         const auto before = dive_->newest_ns();
         if (!dive_->update(kAllOfIt))
             state_.errors.push_back(dive_->folder().string() + ": cam0/data.csv cannot be read");

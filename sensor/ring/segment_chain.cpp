@@ -26,7 +26,7 @@ constexpr char kMessage = 'M';
 constexpr char kCommitted = 'C';
 constexpr char kLost = 'L';
 
-constexpr std::int64_t kSegments = 16;  // the min number of segments that share the room
+constexpr std::int64_t kMinSegments = 16;  // segments that share the room
 constexpr std::int64_t kMinSegmentBytes = std::int64_t{64} << 10;
 
 constexpr std::string_view kPrefix = "segment-";
@@ -154,7 +154,7 @@ std::string SegmentChain::read_message(const Place& place) {
 }
 
 void SegmentChain::append(char word, std::string_view payload) {
-    const std::int64_t max_segment_bytes = std::max(kMinSegmentBytes, max_bytes_ / kSegments);
+    const std::int64_t max_segment_bytes = std::max(kMinSegmentBytes, max_bytes_ / kMinSegments);
     if (is_open_ &&
         (segments_.back()->size_bytes() >= max_segment_bytes || segments_.back()->is_removed()))
         is_open_ = false;

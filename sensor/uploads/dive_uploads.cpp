@@ -18,7 +18,7 @@ DiveUploads::DiveUploads(const fs::path& folder,
 
 DiveUploads::~DiveUploads() = default;
 
-void DiveUploads::look(const RecordingSource& source, Clock::time_point now) {
+void DiveUploads::scan(const RecordingSource& source, Clock::time_point now) {
     learn(source);
     const fs::path& open_dive = source.state().open_dive;
     if (!open_dive.empty()) {

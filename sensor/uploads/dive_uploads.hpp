@@ -24,7 +24,7 @@ public:
     ~DiveUploads();
 
     // Call it after each update() of the source.
-    void look(const RecordingSource& source, Clock::time_point now);
+    void scan(const RecordingSource& source, Clock::time_point now);
     void over(const std::filesystem::path& dive);  // sends it without waiting for `over_after`
 
     bool is_idle() const;     // no upload is under way or waiting

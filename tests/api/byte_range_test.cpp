@@ -56,7 +56,6 @@ TEST(ByteRangeTest, WritesADigestAsAStructuredField) {
               "sha-256=:47DEQpj8HBSa+/TImW+5JCeuQeRkm5NMpJWZG3hSuFU=:");
 }
 
-// S7
 TEST(ByteRangeTest, LeavesNothingInAFileNameThatAHeaderCouldMisread) {
     EXPECT_EQ(content_disposition("inline", "keyframes/1.jpg"),
               "inline; filename=\"1.jpg\"; filename*=UTF-8''1.jpg");

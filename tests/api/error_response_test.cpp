@@ -48,7 +48,6 @@ TEST(ErrorResponseTest, MapsEveryCodeToItsStatus) {
     }
 }
 
-// A7
 TEST(ErrorResponseTest, SaysWhenToComeBackWhereThatHelps) {
     const auto wait_of = [](ErrorCode code) {
         const auto response = response_to(std::make_exception_ptr(Error(code, "why")));
@@ -65,7 +64,6 @@ TEST(ErrorResponseTest, SaysWhenToComeBackWhereThatHelps) {
         EXPECT_EQ(wait_of(code), "");
 }
 
-// S27
 TEST(ErrorResponseTest, ShowsNothingOfAnErrorThatIsNotOurs) {
     const auto response =
         response_to(std::make_exception_ptr(std::runtime_error("/secret/catalog.db: SELECT")));
@@ -74,7 +72,6 @@ TEST(ErrorResponseTest, ShowsNothingOfAnErrorThatIsNotOurs) {
     EXPECT_EQ(std::get<std::string>(response.body).find("secret"), std::string::npos);
 }
 
-// S29
 TEST(ErrorResponseTest, ShowsHostileBytesAsJson) {
     const auto response = response_to(
         std::make_exception_ptr(Error(ErrorCode::NotFound, "no dive \xff\"\r\n<script>")));

@@ -9,7 +9,7 @@ namespace {
 
 namespace ip = boost::asio::ip;
 
-// The example from the reference libraries of the Standard Webhooks specification (S32).
+// The example from the reference libraries of the Standard Webhooks specification.
 TEST(WebhookTest, SignsAsTheSpecificationsExample) {
     EXPECT_EQ(webhook_signature("whsec_MfKQ9r8GKYqrTwjUPD8ILPZIo2LaLaSw",
                                 "msg_p5jXN8AQM9LWM0D4loKWxJek",
@@ -19,7 +19,6 @@ TEST(WebhookTest, SignsAsTheSpecificationsExample) {
     EXPECT_EQ(webhook_secret("00ff"), "whsec_AP8=");
 }
 
-// S31
 TEST(WebhookTest, ReadsPlainAddressesAlone) {
     const auto target = parse_webhook_url("https://hooks.example.org/a/b?c=d");
     EXPECT_TRUE(target.tls);
@@ -58,7 +57,6 @@ TEST(WebhookTest, ReadsPlainAddressesAlone) {
         EXPECT_THROW(parse_webhook_url(url), Error) << url;
 }
 
-// S31
 TEST(WebhookTest, KnowsWhichAddressesAreNotPublic) {
     for (const char* address : {"127.0.0.1",
                                 "127.255.255.254",

@@ -21,6 +21,7 @@
 #include "tests/bench/stereo_pairs.hpp"
 #include "tests/paths.hpp"
 #include "tests/temporary_folder.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::bench {
 namespace {
@@ -59,7 +60,7 @@ json median_metrics(const std::vector<json>& documents) {
         for (const json& document : documents)
             if (document.contains(pointer) && document[pointer].is_number())
                 values.push_back(document[pointer].get<double>());
-        if (!values.empty()) named_values[metric.name] = median(values);
+        if (!values.empty()) named_values[metric.name] = stats::median(values);
     }
     return named_values;
 }
@@ -75,7 +76,7 @@ double cpu_ms_per_frame(const json& metrics) {
 }
 
 void add_trajectory_metrics(const json& metrics, json& result) {
-    json& named_values = result["figures"];
+    json& named_values = result["metrics"];
     named_values["cpu_ms_per_frame"] = cpu_ms_per_frame(metrics);
     if (named_values.contains("ate_rmse_m"))
         named_values["ate_percent_of_path"] = 100.0 * named_values["ate_rmse_m"].get<double>() /
@@ -145,10 +146,10 @@ json measure_speed(const Run& run,
         wall_ms.push_back(taken.count() / (*document)["frames"]["num_frames"].get<double>());
         ratios.push_back(wall_ms.back() / sgbm_ms.back());
     }
-    result["figures"] = median_metrics(documents);
-    result["figures"]["wall_ms_per_frame"] = median(wall_ms);
-    result["figures"]["sgbm_ms_per_frame"] = median(sgbm_ms);
-    result["figures"]["wall_to_sgbm"] = median(ratios);
+    result["metrics"] = median_metrics(documents);
+    result["metrics"]["wall_ms_per_frame"] = stats::median(wall_ms);
+    result["metrics"]["sgbm_ms_per_frame"] = stats::median(sgbm_ms);
+    result["metrics"]["wall_to_sgbm"] = stats::median(ratios);
     result["stages"] = documents.back()["speed"]["stages"];
     result["num_repeats"] = options.num_repeats;
     return result;
@@ -165,7 +166,7 @@ json reconstruct(const Run& run,
     if (run.group == "speed") return measure_speed(run, dive, options, folder, result);
     const auto document = run_once(run, dive, options, folder, result);
     if (!document) return result;
-    result["figures"] = median_metrics({*document});
+    result["metrics"] = median_metrics({*document});
     result["stages"] = (*document)["speed"]["stages"];
     if (run.group == "trajectory") add_trajectory_metrics(*document, result);
     return result;
@@ -175,8 +176,8 @@ json reconstruct(const Run& run,
 void add_klt_baseline(const Run& run, const fs::path& dive, json& result) {
     const bool real_cost = run.group == "trajectory" && !run.dive.simulated &&
                            run.preset == "standard" && run.ablation.name == "none";
-    if (!real_cost || !result.contains("figures")) return;
-    json& named_values = result["figures"];
+    if (!real_cost || !result.contains("metrics")) return;
+    json& named_values = result["metrics"];
     named_values["klt_cpu_ms_per_frame"] = klt_cpu_ms_per_frame(dive);
     named_values["cpu_to_klt"] = named_values["cpu_ms_per_frame"].get<double>() /
                                  named_values["klt_cpu_ms_per_frame"].get<double>();
@@ -215,7 +216,7 @@ std::vector<Run> plan_runs(const Options& options, const json& known_options) {
 std::string outline(const json& result) {
     if (result.contains("failed")) return "failed: " + result["failed"].dump();
     std::string line;
-    for (const auto& [metric, value] : result["figures"].items())
+    for (const auto& [metric, value] : result["metrics"].items())
         if (metric.find("ate_rmse_m") != std::string::npos || metric == "coverage" ||
             metric == "accuracy_median_m" || metric == "cpu_ms_per_frame")
             line += (line.empty() ? "" : ", ") + metric + " " + value.dump();

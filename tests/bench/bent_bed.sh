@@ -3,16 +3,16 @@
 # with and without IMU and AHRS, lenses as given and refined. Prints one JSON line for
 # each: how far the surface is from a plane (RMS, m), how much of that bends it
 # along the way, and the error of the path.
-#   tests/bench/bent_bed.sh [--preset NAME] [--pictures DIR] [--cache DIR]
-# --pictures leaves the surfaces as seen from the side and from above.
+#   tests/bench/bent_bed.sh [--preset NAME] [--images DIR] [--cache DIR]
+# --images leaves the surfaces as seen from the side and from above.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-preset=standard pictures='' cache=build/bench/bed
+preset=standard images='' cache=build/bench/bed
 while (($#)); do
     case $1 in
         --preset) preset=${2:?--preset needs a name} && shift ;;
-        --pictures) pictures=${2:?--pictures needs a folder} && shift ;;
+        --images) images=${2:?--images needs a folder} && shift ;;
         --cache) cache=${2:?--cache needs a folder} && shift ;;
         *) sed -n '2,/^set /{s/^# \{0,1\}//p}' "$0" >&2 && exit 2 ;;
     esac
@@ -34,7 +34,7 @@ fi
 results=$(mktemp -d)
 trap 'rm -rf "$results"' EXIT
 build/release/tests/bench/alter_dive "$bed" "$results/bent" --k1-scale 1.1
-if [[ -n $pictures ]]; then mkdir -p "$pictures"; fi
+if [[ -n $images ]]; then mkdir -p "$images"; fi
 
 for lenses in given refined; do
     for imu in off on; do
@@ -45,7 +45,7 @@ for lenses in given refined; do
             --no-texture --set use_imu="$switch" --set use_ahrs="$switch" \
             --set refine_lenses="$refine" >&2
         fit=$(build/release/tests/bench/plane_fit "$results/$name/mesh.ply" \
-            ${pictures:+"$pictures/bed-$name.jpg"})
+            ${images:+"$images/bed-$name.jpg"})
         ate=$(sed -n 's/.*"ate_rmse_m": \([0-9.e-]*\).*/\1/p' "$results/$name/metrics.json" | tail -1)
         echo "{\"lenses\": \"$lenses\", \"imu\": \"$imu\", \"ate_rmse_m\": $ate, ${fit#\{}"
     done

@@ -5,7 +5,6 @@
 #include <stdexcept>
 #include <string>
 #include <sys/socket.h>
-#include <unistd.h>
 #include <vector>
 
 namespace divemesh::bench {
@@ -49,9 +48,9 @@ CountingSink::CountingSink() : listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CL
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address;
-    if (bind(listener_, reinterpret_cast<sockaddr*>(&address), size) != 0 ||
-        listen(listener_, 8) != 0 ||
-        getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0)
+    if (bind(listener_.get(), reinterpret_cast<sockaddr*>(&address), size) != 0 ||
+        listen(listener_.get(), 8) != 0 ||
+        getsockname(listener_.get(), reinterpret_cast<sockaddr*>(&address), &size) != 0)
         throw std::runtime_error("cannot listen");
     port_ = ntohs(address.sin_port);
     thread_ = std::thread([this] { serve(); });
@@ -60,16 +59,14 @@ CountingSink::CountingSink() : listener_(::socket(AF_INET, SOCK_STREAM | SOCK_CL
 CountingSink::~CountingSink() {
     stop_ = true;
     thread_.join();
-    close(listener_);
 }
 
 void CountingSink::serve() {
     while (!stop_) {
-        pollfd waiting{listener_, POLLIN, 0};
+        pollfd waiting{listener_.get(), POLLIN, 0};
         if (poll(&waiting, 1, 20) <= 0) continue;
-        const int socket = accept(listener_, nullptr, nullptr);
-        answer_all(socket);
-        close(socket);
+        const FileDescriptor socket(accept(listener_.get(), nullptr, nullptr));
+        answer_all(socket.get());
     }
 }
 

@@ -3,6 +3,8 @@
 #include <atomic>
 #include <thread>
 
+#include "schemas/file_descriptor.hpp"
+
 namespace divemesh::bench {
 
 // An HTTP server that counts and discards the bytes of a body: the upper limit of the rate that
@@ -19,7 +21,7 @@ public:
 private:
     void serve();
 
-    int listener_ = -1;
+    FileDescriptor listener_;
     int port_ = 0;
     std::atomic<bool> stop_ = false;
     std::thread thread_;

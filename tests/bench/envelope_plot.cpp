@@ -22,8 +22,8 @@ constexpr int kColumns = 3;
 constexpr double kLegend = 26.0;  // height
 
 // Decades of error, per cent of the path, from the lower edge of a panel to the upper.
-constexpr double kLowest = -2.0;
-constexpr double kHighest = 2.0;
+constexpr double kMinDecade = -2.0;
+constexpr double kMaxDecade = 2.0;
 constexpr double kLost = 0.5;  // share of the frames
 
 struct Series {
@@ -50,14 +50,14 @@ struct Panel {
     }
     double y(double decade) const {
         const double share =
-            (std::clamp(decade, kLowest, kHighest) - kLowest) / (kHighest - kLowest);
+            (std::clamp(decade, kMinDecade, kMaxDecade) - kMinDecade) / (kMaxDecade - kMinDecade);
         return top + kHeight - kBottom - share * (kHeight - kTop - kBottom);
     }
 };
 
 std::optional<double> decade_of(const json& row, const Series& series) {
     const json& lost = row[series.lost]["median"];
-    if (lost.is_number() && lost.get<double>() > kLost) return kHighest;
+    if (lost.is_number() && lost.get<double>() > kLost) return kMaxDecade;
     const json& error = row[series.error]["median"];
     if (!error.is_number()) return std::nullopt;
     return std::log10(std::max(1e-6, error.get<double>()));
@@ -86,7 +86,7 @@ std::string draw_series(const Panel& panel, const json& rows, const Series& seri
 
 std::string draw_grid(const Panel& panel) {
     std::string text;
-    for (double decade = kLowest; decade <= kHighest; ++decade) {
+    for (double decade = kMinDecade; decade <= kMaxDecade; ++decade) {
         const double y = panel.y(decade);
         text += fmt::format(
             "<line class=\"grid\" x1=\"{:.1f}\" x2=\"{:.1f}\" y1=\"{:.1f}\" y2=\"{:.1f}\"/><text "

@@ -5,7 +5,7 @@
 #include <functional>
 
 #include "tests/bench/envelope_judge.hpp"
-#include "tests/bench/judge.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::bench {
 namespace {
@@ -21,7 +21,7 @@ json spread(const json& runs, const Value& value) {
         if (const json stated = value(run); stated.is_number())
             values.push_back(stated.get<double>());
     if (values.empty()) return {{"median", nullptr}, {"worst", nullptr}, {"num", 0}};
-    return {{"median", median(values)},
+    return {{"median", stats::median(values)},
             {"worst", *std::max_element(values.begin(), values.end())},
             {"num", values.size()}};
 }

@@ -24,7 +24,7 @@ std::optional<double> find_metric(const json& runs,
         if (run["group"] != group || run["dive"] != dive || run["preset"] != preset ||
             run["ablation"] != "none")
             continue;
-        const json metrics = run.value("figures", json::object());
+        const json metrics = run.value("metrics", json::object());
         if (metrics.contains(metric)) return metrics[metric].get<double>();
     }
     return std::nullopt;
@@ -40,7 +40,7 @@ const char* name_of(Goal::Over over) {
 }
 
 double condense(const Goal& goal, const std::vector<double>& values) {
-    if (goal.over == Goal::Over::Median) return median(values);
+    if (goal.over == Goal::Over::Median) return stats::median(values);
     if (goal.over == Goal::Over::Mean)
         return std::accumulate(values.begin(), values.end(), 0.0) /
                static_cast<double>(values.size());
@@ -50,8 +50,6 @@ double condense(const Goal& goal, const std::vector<double>& values) {
 
 }  // namespace
 
-double median(std::vector<double> values) { return stats::median(std::move(values)); }
-
 json judge(const Goal& goal, const json& runs) {
     std::vector<double> values;
     for (const std::string& dive : goal.dives)
@@ -59,7 +57,7 @@ json judge(const Goal& goal, const json& runs) {
             values.push_back(std::abs(*value));
     json judged = {{"dives", goal.dives.size() == 1 ? json(goal.dives[0]) : json(goal.dives)},
                    {"preset", goal.preset},
-                   {"figure", goal.metric},
+                   {"metric", goal.metric},
                    {goal.at_most ? "at_most" : "at_least", goal.value},
                    {"measured", nullptr},
                    {"met", false}};
@@ -90,7 +88,7 @@ json compare_track_life(const json& runs) {
     }
     const auto shared = life_of("barge");
     if (!shared || simulated.empty()) return nullptr;
-    const double ratio = median(simulated) / *shared;
+    const double ratio = stats::median(simulated) / *shared;
     result["barge_frames"] = *shared;
     result["ratio"] = ratio;
     result["within_30_percent"] = std::abs(ratio - 1.0) <= kSimilarLife;

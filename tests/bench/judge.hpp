@@ -1,14 +1,10 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <vector>
 
 #include "tests/bench/plan.hpp"
 
 namespace divemesh::bench {
-
-// Returns the median of at least one value.
-double median(std::vector<double> values);
 
 // Returns a goal with its measured value and whether it is met, from the runs of its group without
 // ablation. A dive without a result (absent, failed, not selected) leaves the goal unmet.

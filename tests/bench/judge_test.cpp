@@ -12,7 +12,7 @@ json run_of(const std::string& dive, const std::string& metric, double value) {
             {"dive", dive},
             {"preset", "standard"},
             {"ablation", "none"},
-            {"figures", {{metric, value}}}};
+            {"metrics", {{metric, value}}}};
 }
 
 Goal goal_over(Goal::Over over, bool at_most, double value) {
@@ -42,7 +42,7 @@ TEST(JudgeTest, TheWorstIsTheLargestOfWhatShallBeSmallAndTheSmallestOfWhatShallB
 
 TEST(JudgeTest, AGoalWithADiveMissingOrFailedIsNotMet) {
     json runs = kRuns;
-    runs[3].erase("figures");
+    runs[3].erase("metrics");
     const json judged = judge(goal_over(Goal::Over::Worst, true, 10.0), runs);
     EXPECT_EQ(judged["num_dives_measured"], 3);
     EXPECT_EQ(judged["met"], false);

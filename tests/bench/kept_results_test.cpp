@@ -21,7 +21,7 @@ protected:
 
     const TemporaryFolder folder_;
     const std::filesystem::path program_ = folder_ / "program";
-    const json result_ = {{"figures", {{"ate_rmse_m", 0.001}}}};
+    const json result_ = {{"metrics", {{"ate_rmse_m", 0.001}}}};
 };
 
 TEST_F(KeptResultsTest, WhatWasKeptIsFoundByAnotherRunOfTheSameProgram) {

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes a dive of many closed laps at the price of one: each lap has the pictures of the first, by
+# Makes a dive of many closed laps at the price of one: each lap has the images of the first, by
 # hard links, and an IMU, pressure and truth of its own. For memory and time of long dives
 # (docs/benchmarks.md): what a lap adds in noise to the surface is not in it.
 #
@@ -20,10 +20,10 @@ for camera in cam0 cam1; do
     from=$work/lap/mav0/$camera
     to=$work/laps/mav0/$camera
     cp "$from/sensor.yaml" "$to/sensor.yaml"
-    mapfile -t pictures < <(tail -n +2 "$from/data.csv" | cut -d, -f2)
+    mapfile -t images < <(tail -n +2 "$from/data.csv" | cut -d, -f2)
     i=0
     while IFS=, read -r _ name; do
-        ln -f "$from/data/${pictures[i++ % ${#pictures[@]}]}" "$to/data/$name"
+        ln -f "$from/data/${images[i++ % ${#images[@]}]}" "$to/data/$name"
     done < <(tail -n +2 "$to/data.csv")
 done
 mv "$work/laps" "$out"

@@ -64,24 +64,20 @@ InstructionCounter::InstructionCounter() {
     what.disabled = 1;
     what.exclude_kernel = 1;
     what.exclude_hv = 1;
-    file_ = static_cast<int>(syscall(SYS_perf_event_open, &what, 0, -1, -1, 0));
-}
-
-InstructionCounter::~InstructionCounter() {
-    if (file_ >= 0) close(file_);
+    file_ = FileDescriptor(static_cast<int>(syscall(SYS_perf_event_open, &what, 0, -1, -1, 0)));
 }
 
 void InstructionCounter::start() {
-    if (file_ < 0) return;
-    ioctl(file_, PERF_EVENT_IOC_RESET, 0);
-    ioctl(file_, PERF_EVENT_IOC_ENABLE, 0);
+    if (!file_.is_open()) return;
+    ioctl(file_.get(), PERF_EVENT_IOC_RESET, 0);
+    ioctl(file_.get(), PERF_EVENT_IOC_ENABLE, 0);
 }
 
 std::optional<std::uint64_t> InstructionCounter::stop() {
     std::uint64_t count = 0;
-    if (file_ < 0) return std::nullopt;
-    ioctl(file_, PERF_EVENT_IOC_DISABLE, 0);
-    if (read(file_, &count, sizeof count) != sizeof count || count == 0) return std::nullopt;
+    if (!file_.is_open()) return std::nullopt;
+    ioctl(file_.get(), PERF_EVENT_IOC_DISABLE, 0);
+    if (read(file_.get(), &count, sizeof count) != sizeof count || count == 0) return std::nullopt;
     return count;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "schemas/file_descriptor.hpp"
 #include "worker/base/instructions.hpp"
 
 namespace divemesh::bench {
@@ -11,16 +12,13 @@ namespace divemesh::bench {
 class InstructionCounter {
 public:
     InstructionCounter();
-    ~InstructionCounter();
-    InstructionCounter(const InstructionCounter&) = delete;
-    InstructionCounter& operator=(const InstructionCounter&) = delete;
 
     void start();
     // Returns the count since start(); nullopt if kernel or hypervisor deny access to the counter.
     std::optional<std::uint64_t> stop();
 
 private:
-    int file_;
+    FileDescriptor file_;
 };
 
 // Returns the CPU time of this thread, s.

@@ -3,7 +3,7 @@
 // same of the mean heights of slices across it. With a second argument draws the surface from the
 // side, heights ten times as large, and from above, coloured by height.
 //
-//     plane_fit mesh.ply [picture.png]
+//     plane_fit mesh.ply [image.png]
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -109,7 +109,7 @@ void draw(const std::string& file, const std::vector<Eigen::Vector3d>& points, d
 int main(int argc, char** argv) {
     using namespace divemesh;
     if (argc < 2) {
-        std::cerr << "plane_fit mesh.ply [picture.png]\n";
+        std::cerr << "plane_fit mesh.ply [image.png]\n";
         return 2;
     }
     const auto points = bench::in_plane(io::read_ply(argv[1]).vertices);

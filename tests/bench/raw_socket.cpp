@@ -3,34 +3,35 @@
 #include <arpa/inet.h>
 #include <stdexcept>
 #include <sys/socket.h>
-#include <unistd.h>
 
 namespace divemesh {
 
-int connect_to(int port, int receive_buffer_bytes) {
-    const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+FileDescriptor connect_to(int port, int receive_buffer_bytes) {
+    FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
     if (receive_buffer_bytes > 0)
-        setsockopt(
-            socket, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof receive_buffer_bytes);
+        setsockopt(socket.get(),
+                   SOL_SOCKET,
+                   SO_RCVBUF,
+                   &receive_buffer_bytes,
+                   sizeof receive_buffer_bytes);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (connect(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    if (connect(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
         throw std::runtime_error("cannot connect");
     return socket;
 }
 
 int free_port() {
-    const int socket = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    const FileDescriptor socket(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0));
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t length = sizeof address;
     const bool is_bound =
-        bind(socket, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
-        getsockname(socket, reinterpret_cast<sockaddr*>(&address), &length) == 0;
-    close(socket);
+        bind(socket.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0 &&
+        getsockname(socket.get(), reinterpret_cast<sockaddr*>(&address), &length) == 0;
     if (!is_bound) throw std::runtime_error("no port is free");
     return ntohs(address.sin_port);
 }

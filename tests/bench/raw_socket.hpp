@@ -3,6 +3,8 @@
 #include <string>
 #include <string_view>
 
+#include "schemas/file_descriptor.hpp"
+
 namespace divemesh {
 
 // Plain blocking sockets for load generators. All functions throw std::runtime_error on failure,
@@ -10,7 +12,7 @@ namespace divemesh {
 
 // Returns a socket connected to a port of loopback. With `receive_buffer_bytes` 0 the kernel
 // chooses the size of the receive buffer.
-int connect_to(int port, int receive_buffer_bytes);
+FileDescriptor connect_to(int port, int receive_buffer_bytes);
 // Returns a port of loopback that was free during the call.
 int free_port();
 void send_all(int socket, std::string_view bytes);

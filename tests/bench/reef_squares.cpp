@@ -127,7 +127,7 @@ json measured(const std::vector<KnownSquare>& squares,
               const Options& options) {
     const TemporaryFolder scratch;
     std::ofstream(scratch / "areas.json") << areas_of(squares).dump();
-    const fs::path answer = scratch / "figures.json";
+    const fs::path answer = scratch / "metrics.json";
     if (run_program({options.program.string(),
                      "--json",
                      "measure",
@@ -251,9 +251,9 @@ json run(const Options& options) {
                 metrics[metric] = of_dive;
                 if (options.each) metrics[metric]["squares"] = each_of(samples);
             }
-            report["dives"].push_back({{"dive", dive.name()}, {"figures", metrics}});
+            report["dives"].push_back({{"dive", dive.name()}, {"metrics", metrics}});
         }
-    for (const auto& [metric, gathered] : by_metric) report["figures"][metric] = to_json(gathered);
+    for (const auto& [metric, gathered] : by_metric) report["metrics"][metric] = to_json(gathered);
     return report;
 }
 

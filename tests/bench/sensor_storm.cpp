@@ -12,7 +12,6 @@
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <thread>
-#include <unistd.h>
 
 #include "storage/token_store.hpp"
 #include "tests/bench/bench_main.hpp"
@@ -20,6 +19,7 @@
 #include "tests/bench/raw_socket.hpp"
 #include "tests/bench/served.hpp"
 #include "tests/temporary_folder.hpp"
+#include "worker/stats/quantile.hpp"
 
 namespace divemesh {
 namespace {
@@ -106,16 +106,15 @@ private:
 };
 
 struct Client {
-    int socket = -1;
+    FileDescriptor socket;
     Incoming incoming;
     std::int64_t sent_us = 0;  // by a sensor, unanswered
     int sequence = 0;
 };
 
-double percentile(std::vector<double> values, double share) {
-    if (values.empty()) return -1.0;
-    std::sort(values.begin(), values.end());
-    return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
+// -1 without values.
+double percentile(const std::vector<double>& values, double share) {
+    return values.empty() ? -1.0 : stats::lower_quantile(values, share);
 }
 
 json summary(const std::vector<double>& values) {
@@ -154,12 +153,6 @@ public:
             open(kNumSensors + i, target, token_, i < kNumSilent ? 4096 : 0);
         }
     }
-    ~Storm() {
-        for (const Client& client : clients_) close(client.socket);
-        close(epoll_);
-    }
-    Storm(const Storm&) = delete;
-    Storm& operator=(const Storm&) = delete;
 
     json run(std::chrono::seconds duration) {
         const auto began = Clock::now();
@@ -199,17 +192,17 @@ private:
     void open(int i, const std::string& target, const std::string& token, int receive_buffer) {
         Client& client = clients_[static_cast<std::size_t>(i)];
         client.socket = connect_to(server_.port(), receive_buffer);
-        open_web_socket(client.socket, target, token);
+        open_web_socket(client.socket.get(), target, token);
         const bool reads = i < kNumSensors || i >= kNumSensors + kNumSilent;
         epoll_event event{.events = EPOLLIN, .data = {.u32 = static_cast<unsigned>(i)}};
-        if (reads) epoll_ctl(epoll_, EPOLL_CTL_ADD, client.socket, &event);
+        if (reads) epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, client.socket.get(), &event);
     }
 
     void say(Client& client, const json& message, const std::string* jpeg) {
         client.sent_us = now_us();
         if (jpeg == nullptr) {
             const json report = {{"boot_id", "boot"}, {"messages", {message}}};
-            return send_all(client.socket, frame_of(report.dump(), false));
+            return send_all(client.socket.get(), frame_of(report.dump(), false));
         }
         json header = message;
         header["boot_id"] = "boot";
@@ -217,7 +210,7 @@ private:
         std::string payload;
         for (int shift = 24; shift >= 0; shift -= 8)
             payload += static_cast<char>(text.size() >> shift & 0xFFU);
-        send_all(client.socket, frame_of(payload + text + *jpeg, true));
+        send_all(client.socket.get(), frame_of(payload + text + *jpeg, true));
     }
     void say_status(int sensor) {
         Client& client = clients_[static_cast<std::size_t>(sensor)];
@@ -248,7 +241,8 @@ private:
     void say_alive() {
         for (std::size_t i = 0; i < clients_.size(); ++i) {
             const bool reads = i < kNumSensors || i >= kNumSensors + kNumSilent;
-            if (reads) send(clients_[i].socket, "\x8a\x80\0\0\0\0", 6, MSG_NOSIGNAL | MSG_DONTWAIT);
+            if (reads)
+                send(clients_[i].socket.get(), "\x8a\x80\0\0\0\0", 6, MSG_NOSIGNAL | MSG_DONTWAIT);
         }
     }
 
@@ -257,7 +251,7 @@ private:
         do {
             const auto left =
                 std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now());
-            const int num = epoll_wait(epoll_,
+            const int num = epoll_wait(epoll_.get(),
                                        events.data(),
                                        static_cast<int>(events.size()),
                                        static_cast<int>(std::max<std::int64_t>(0, left.count())));
@@ -266,7 +260,7 @@ private:
     }
     void hear(std::size_t i) {
         Client& client = clients_[i];
-        const auto n = recv(client.socket, buffer_.data(), buffer_.size(), MSG_DONTWAIT);
+        const auto n = recv(client.socket.get(), buffer_.data(), buffer_.size(), MSG_DONTWAIT);
         if (n == 0) throw std::runtime_error("the server closed client " + std::to_string(i));
         if (n < 0) return;
         client.incoming.take({buffer_.data(), static_cast<std::size_t>(n)},
@@ -293,31 +287,30 @@ private:
             told_ms_.push_back(0.001 * static_cast<double>(now_us() - sent_us));
     }
 
-    // Each picture once, as one of those who watch would.
+    // Fetches each image once, as a viewer does.
     void fetch(const std::stop_token& stop) {
-        const int socket = connect_to(server_.port(), 0);
+        const FileDescriptor socket = connect_to(server_.port(), 0);
         std::vector<char> buffer(std::size_t{64} << 10);
         for (int sensor = 0; !stop.stop_requested(); sensor = (sensor + 1) % kNumSensors) {
-            send_all(socket,
+            send_all(socket.get(),
                      "GET /api/v1/sensors/" + name_of(sensor) +
                          "/preview.jpg HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer " + token_ +
                          "\r\n\r\n");
-            const std::string head = receive_head(socket);
+            const std::string head = receive_head(socket.get());
             auto left = static_cast<std::size_t>(number_after(head, "Content-Length: "));
             while (left > 0) {
-                const auto n = recv(socket, buffer.data(), std::min(left, buffer.size()), 0);
+                const auto n = recv(socket.get(), buffer.data(), std::min(left, buffer.size()), 0);
                 if (n <= 0) throw std::runtime_error("no image");
                 left -= static_cast<std::size_t>(n);
             }
             if (head.starts_with("HTTP/1.1 200")) ++num_fetched_;
             std::this_thread::sleep_for(1000ms / (kNumSensors / kPreviewEvery));
         }
-        close(socket);
     }
 
     const Served& server_;
     std::string token_;
-    int epoll_;
+    FileDescriptor epoll_;
     std::vector<Client> clients_;
     std::vector<char> buffer_ = std::vector<char>(std::size_t{256} << 10);
     const std::string image_ = image();

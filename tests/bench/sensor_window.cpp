@@ -1,8 +1,8 @@
 // sensor_window --program build/release/divemesh --dive DIR: a minute at the surface on bad wifi. A
-// sensor that kept ten statuses a second for 20 s speaks through the shared proxy at 64 kbit/s with
-// 200 ms delay, and the link is cut twice. Prints one JSON: when, after each connect, the server
-// had the newest status and an image, how much of the backlog came, and what the agent needed of
-// the processor.
+// sensor that kept ten statuses a second for 20 s speaks through a proxy that behaves like bad
+// Wi-Fi at 64 kbit/s with 200 ms delay, and the link is cut twice. Prints one JSON: when, after
+// each connect, the server had the newest status and an image, how much of the backlog came, and
+// what the agent needed of the processor.
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
@@ -14,7 +14,6 @@
 #include <soci/soci.h>
 #include <sys/socket.h>
 #include <thread>
-#include <unistd.h>
 
 #include "storage/token_store.hpp"
 #include "tests/bench/bench_main.hpp"
@@ -62,9 +61,6 @@ public:
         server_.emplace(setting.program, folder_ / "data");
         socket_ = connect_to(server_->port(), 0);
     }
-    ~Window() { close(socket_); }
-    Window(const Window&) = delete;
-    Window& operator=(const Window&) = delete;
 
     json run() {
         gather_backlog();
@@ -145,17 +141,17 @@ private:
     }
 
     json sensor() {
-        send_all(socket_,
+        send_all(socket_.get(),
                  "GET /api/v1/sensors/rig HTTP/1.1\r\nHost: x\r\nAuthorization: Bearer " + token_ +
                      "\r\n\r\n");
-        const std::string head = receive_head(socket_);
+        const std::string head = receive_head(socket_.get());
         const auto place = head.find("Content-Length: ");
         std::string body(place == std::string::npos
                              ? 0
                              : std::stoul(head.substr(place + sizeof("Content-Length: ") - 1)),
                          '\0');
         for (std::size_t got = 0; got < body.size();) {
-            const auto n = recv(socket_, body.data() + got, body.size() - got, 0);
+            const auto n = recv(socket_.get(), body.data() + got, body.size() - got, 0);
             if (n <= 0) throw std::runtime_error("the server went away");
             got += static_cast<std::size_t>(n);
         }
@@ -207,7 +203,7 @@ private:
     std::string token_;
     std::string sensor_token_;
     std::optional<Served> server_;
-    int socket_ = -1;
+    FileDescriptor socket_;
     std::int64_t status_at_ms_ = 0;
     std::int64_t preview_ = 0;
     std::vector<std::int64_t> statuses_ms_;

@@ -9,7 +9,6 @@
 #include <poll.h>
 #include <sys/socket.h>
 #include <thread>
-#include <unistd.h>
 
 #include "schemas/content_hash.hpp"
 #include "storage/event_store.hpp"
@@ -77,16 +76,12 @@ class Readers {
 public:
     Readers(int port, const std::string& token) {
         for (int i = 0; i < kNumReaders; ++i) {
-            const int socket = connect_to(port, i < kNumSilent ? 4096 : 0);
-            open_web_socket(socket, "/api/v1/events", token);
-            sockets_.push_back({socket, POLLIN, 0});
+            FileDescriptor socket = connect_to(port, i < kNumSilent ? 4096 : 0);
+            open_web_socket(socket.get(), "/api/v1/events", token);
+            sockets_.push_back({socket.get(), POLLIN, 0});
+            open_.push_back(std::move(socket));
         }
     }
-    ~Readers() {
-        for (const pollfd& entry : sockets_) close(entry.fd);
-    }
-    Readers(const Readers&) = delete;
-    Readers& operator=(const Readers&) = delete;
 
     // Until all that read have seen `mark`; how many did.
     int read_until(const std::string& mark, std::chrono::seconds timeout) {
@@ -125,32 +120,32 @@ private:
             send(sockets_[i].fd, "\x8a\x80\0\0\0\0", 6, MSG_NOSIGNAL | MSG_DONTWAIT);
     }
 
-    std::vector<pollfd> sockets_;
+    std::vector<FileDescriptor> open_;
+    std::vector<pollfd> sockets_;  // of `open_`
 };
 
 void upload(int port, const std::string& token, std::size_t num_bytes, std::atomic<int>& num_done) {
     const std::string common =
         " HTTP/1.1\r\nHost: x\r\nTus-Resumable: 1.0.0\r\nAuthorization: Bearer " + token + "\r\n";
-    const int socket = connect_to(port, 0);
-    send_all(socket,
+    const FileDescriptor socket = connect_to(port, 0);
+    send_all(socket.get(),
              "POST /api/v1/uploads" + common +
                  "Content-Length: 0\r\nUpload-Length: " + std::to_string(num_bytes) + "\r\n\r\n");
-    const std::string made = receive_head(socket);
+    const std::string made = receive_head(socket.get());
     const auto location = made.find("Location: ");
     if (location != std::string::npos) {
         const std::string path =
             made.substr(location + 10, made.find("\r\n", location) - location - 10);
-        send_all(socket,
+        send_all(socket.get(),
                  "PATCH " + path + common +
                      "Content-Type: application/offset+octet-stream\r\nUpload-Offset: 0\r\n"
                      "Content-Length: " +
                      std::to_string(num_bytes) + "\r\n\r\n");
         const std::string piece(std::size_t{1} << 20, 'x');
         for (std::size_t sent = 0; sent < num_bytes; sent += piece.size())
-            send_all(socket, piece.substr(0, num_bytes - sent));
-        if (receive_head(socket).starts_with("HTTP/1.1 204")) ++num_done;
+            send_all(socket.get(), piece.substr(0, num_bytes - sent));
+        if (receive_head(socket.get()).starts_with("HTTP/1.1 204")) ++num_done;
     }
-    close(socket);
 }
 
 void make_events(storage::Catalog& catalog) {

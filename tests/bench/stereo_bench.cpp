@@ -58,7 +58,7 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 1000));
     app.add_option(
         "--num-disparities", options.num_disparities_px, "number of disparities of both matchers");
-    app.add_option("--pictures", options.pictures, "folder for images of the disparities");
+    app.add_option("--images", options.images, "folder for images of the disparities");
     CLI11_PARSE(app, argc, argv);
 
     const auto wanted = [&](const char* part) {

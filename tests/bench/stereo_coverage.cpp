@@ -116,13 +116,13 @@ json compare_coverage(const fs::path& dive, const CoverageOptions& options) {
                          {"sgbm", share_known(rival, first)}});
         own_share += pairs.back()["own"].get<double>();
         rival_share += pairs.back()["sgbm"].get<double>();
-        if (!options.pictures.empty())
-            write_image(options.pictures /
-                            (dive.filename().string() + "_" + std::to_string(index) + ".png"),
-                        frame,
-                        own,
-                        rival,
-                        options.num_disparities_px);
+        if (!options.images.empty())
+            write_image(
+                options.images / (dive.filename().string() + "_" + std::to_string(index) + ".png"),
+                frame,
+                own,
+                rival,
+                options.num_disparities_px);
     }
     const auto num = static_cast<double>(std::max<std::size_t>(1, pairs.size()));
     return {{"dive", dive.filename().string()},

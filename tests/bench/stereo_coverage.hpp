@@ -6,9 +6,9 @@
 namespace divemesh::bench {
 
 struct CoverageOptions {
-    int num_pairs = 6;               // spread over the dive
-    int num_disparities_px = 128;    // of both matchers
-    std::filesystem::path pictures;  // folder for disparity images; "": writes none
+    int num_pairs = 6;             // spread over the dive
+    int num_disparities_px = 128;  // of both matchers
+    std::filesystem::path images;  // folder for disparity images; "": writes none
 };
 
 // Matches pairs of a dive, rectified by the rig aligned to its images, with our matcher and with

@@ -118,7 +118,7 @@ json compare_on_stereo_pairs(const fs::path& middlebury) {
                 min_share = min_share.is_null() ? share : std::min(share, min_share.get<double>());
                 best = std::min(best, share);
             }
-    result["figures"] = {
+    result["metrics"] = {
         {"bad2_or_missing", own}, {"bad2_or_missing_opencv", best}, {"bad2_to_opencv", own / best}};
     return result;
 }

@@ -9,7 +9,7 @@ namespace divemesh::bench {
 // data (Scharstein and Szeliski). The error is the share of the pixels with a known, unoccluded
 // truth whose disparity is missing or off by more than 2 px, with 128 disparities and without the
 // first 128 columns. Returns a run of the dive `middlebury`: our error for each pair, and as
-// `figures` the mean of ours, of OpenCV's best mode, and their ratio. Each mode of OpenCV runs with
+// `metrics` the mean of ours, of OpenCV's best mode, and their ratio. Each mode of OpenCV runs with
 // its checks (uniqueness 5 %, left-right) and without, and with the better of block sizes 3 and 5.
 // Returns null without the pairs.
 nlohmann::json compare_on_stereo_pairs(const std::filesystem::path& middlebury);

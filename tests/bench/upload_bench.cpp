@@ -297,7 +297,7 @@ json measure_large(const Options& options, const fs::path& folder) {
 }
 
 json goal(const std::string& name, double value, bool at_most, double bound) {
-    return {{"figure", name},
+    return {{"metric", name},
             {"value", value},
             {at_most ? "at_most" : "at_least", bound},
             {"met", at_most ? value <= bound : value >= bound}};

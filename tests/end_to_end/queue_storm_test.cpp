@@ -7,7 +7,6 @@
 namespace divemesh {
 namespace {
 
-// Q14
 TEST(QueueStormTest, KillsOfWorkersAndServerLoseNoJobAndDoNoneTwice) {
     const StormReport report = run_queue_storm({.program = DIVEMESH_PROGRAM,
                                                 .fake_worker = FAKE_WORKER,

@@ -53,7 +53,6 @@ TEST_F(ReconstructionTest, TurnsAnUploadedDiveIntoAMeasuredMesh) {
     EXPECT_NE(outcome.err.find("trajectory error, RMSE"), std::string::npos) << outcome.err;
 }
 
-// Q9
 TEST_F(ReconstructionTest, DoesNotTrackAgainForAnotherVoxelSize) {
     service.start_server(1);
     upload();

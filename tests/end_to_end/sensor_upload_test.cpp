@@ -72,7 +72,7 @@ protected:
         DiveUploads uploads(state_, settings(server), 0ms);
         do {
             source->update(Clock::now());
-            uploads.look(*source, Clock::now());
+            uploads.scan(*source, Clock::now());
             pause_20_ms();
         } while (!uploads.is_idle() && !(is_cut && is_cut()));
     }

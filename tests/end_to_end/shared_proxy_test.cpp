@@ -1,5 +1,4 @@
-// Uploads through the shared proxy that behaves like bad wifi: another's than the one we test with
-// elsewhere.
+// Uploads through a proxy from outside the repository that behaves like bad Wi-Fi.
 #include <gtest/gtest.h>
 
 #include <csignal>
@@ -7,9 +6,9 @@
 #include <netinet/in.h>
 #include <nlohmann/json.hpp>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "schemas/content_hash.hpp"
+#include "schemas/file_descriptor.hpp"
 #include "tests/end_to_end/service.hpp"
 #include "tests/paths.hpp"
 
@@ -29,14 +28,12 @@ public:
         address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
         address_.sin_port = htons(static_cast<std::uint16_t>(port));
     }
-    ~LoopbackSocket() { close(socket_); }
-    LoopbackSocket(const LoopbackSocket&) = delete;
-    LoopbackSocket& operator=(const LoopbackSocket&) = delete;
 
-    bool connects() { return connect(socket_, address(), sizeof address_) == 0; }
+    bool connects() { return connect(socket_.get(), address(), sizeof address_) == 0; }
     int bound_port() {
         socklen_t size = sizeof address_;
-        if (bind(socket_, address(), size) != 0 || getsockname(socket_, address(), &size) != 0)
+        if (bind(socket_.get(), address(), size) != 0 ||
+            getsockname(socket_.get(), address(), &size) != 0)
             return 0;
         return ntohs(address_.sin_port);
     }
@@ -45,7 +42,7 @@ private:
     sockaddr* address() { return reinterpret_cast<sockaddr*>(&address_); }
 
     sockaddr_in address_{};
-    int socket_ = ::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    FileDescriptor socket_{::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)};
 };
 
 class SharedProxyTest : public testing::TestWithParam<std::string> {
@@ -104,7 +101,6 @@ INSTANTIATE_TEST_SUITE_P(Modes,
                              return mode.param == "half-open" ? "half_open" : mode.param;
                          });
 
-// U22
 TEST_P(SharedProxyTest, OurUploaderArrives) {
     Process proxy = start_proxy();
     const Outcome outcome = service_.run({"upload",
@@ -120,7 +116,6 @@ TEST_P(SharedProxyTest, OurUploaderArrives) {
     expect_arrived(proxy);
 }
 
-// U14
 TEST_P(SharedProxyTest, AStockTusClientArrives) {
     const fs::path scripts = source_directory() / "tests/end_to_end/js";
     if (!fs::exists(scripts / "node_modules/tus-js-client"))

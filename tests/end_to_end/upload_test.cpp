@@ -80,7 +80,6 @@ TEST_F(UploadTest, KnowsADiveWhateverItIsPackedIn) {
     expect_one_ready_dive();
 }
 
-// U22
 TEST_F(UploadTest, ADiveThatWasDeletedIsSentAnewAndNotCalledVerified) {
     service.start_server(0);
     const Outcome first =
@@ -122,7 +121,6 @@ TEST_F(UploadTest, WorksWithAStockTusClientInTwoSittings) {
     EXPECT_EQ(node.stdout_text(), service.dives().at(0).at("id").get<std::string>() + "\n");
 }
 
-// U22
 TEST_F(UploadTest, ArrivesOverALinkThatFallsSilentAndSaysThatItIsVerified) {
     service.start_server(0);
     FlakyProxy proxy(port_of(service.address()),
@@ -152,7 +150,6 @@ INSTANTIATE_TEST_SUITE_P(Builds,
                          testing::Values("node", "browser"),
                          [](const auto& build) { return build.param; });
 
-// U14
 TEST_P(TusClientTest, AStockOneArrivesOverEveryKindOfBadLink) {
     const fs::path scripts = source_directory() / "tests/end_to_end/js";
     if (!fs::exists(scripts / "node_modules/jsdom"))

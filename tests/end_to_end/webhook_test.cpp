@@ -17,7 +17,7 @@ protected:
     Service service;
 };
 
-// S32: foreign code finds our signatures good (A12).
+// The reference library of Standard Webhooks accepts our signatures.
 TEST_F(WebhookTest, MessagesPassTheLibraryOfStandardWebhooks) {
     WebhookReceiver receiver(service, 0, {"upload", "dive"});
     const Outcome upload = service.run({"upload", small_dive().string(), "--no-job"}, 60s);

@@ -5,7 +5,7 @@
 #include "tests/temporary_folder.hpp"
 #include "worker/dive/dive.hpp"
 
-// A file that somebody uploaded as a dive: opened, and read to its end.
+// Fuzzes a file uploaded as a dive: opens it and reads it to its end.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const divemesh::TemporaryFolder folder;
     const auto file = folder / "upload";

@@ -3,7 +3,7 @@
 #include "tests/fuzz/input.hpp"
 #include "tests/fuzz/service.hpp"
 
-// Whatever a client may say to the port.
+// Fuzzes the bytes that a client sends to the port.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static divemesh::fuzz::Service service;
     const auto heard = service.converse(divemesh::fuzz::Input(data, size).rest());

@@ -80,7 +80,6 @@ struct BadReport {
     json value;
 };
 
-// S34
 TEST(SensorReportTest, RefusesWhatTheSchemaRefusesAndSaysWhereItIs) {
     const std::string status = "/messages/1/status/";
     const std::vector<BadReport> bad = {

@@ -65,7 +65,6 @@ RawResponse ask(const TestServer& server, const api::Route& route, const std::st
         "");
 }
 
-// S26
 TEST(AccessTest, EveryRouteOfTheApiWantsATokenThatItKnows) {
     ASSERT_FALSE(api::routes().empty());
     TestServer server;
@@ -83,7 +82,6 @@ TEST(AccessTest, EveryRouteOfTheApiWantsATokenThatItKnows) {
     }
 }
 
-// S24
 TEST(AccessTest, EveryRouteWantsItsScopeAndNoOther) {
     ASSERT_FALSE(api::routes().empty());
     TestServer server;
@@ -107,7 +105,7 @@ TEST(AccessTest, UnknownIdsAreNotFoundOnEveryRoute) {
     for (const api::Route& route : api::routes()) {
         if (route.path.find('{') == std::string_view::npos || route.method == api::verb::options)
             continue;
-        if (route.scope == "sensor:push") continue;  // what it names comes into being by it
+        if (route.scope == "sensor:push") continue;  // creates the sensor that it names
         ++num_routes;
         const auto response = server.request(std::string(api::http::to_string(route.method)),
                                              some_path(route.path),
@@ -170,7 +168,7 @@ protected:
     const std::string other_ = server_.make_token("wreck", all_);
 };
 
-// S13: every route that names an object, those of tomorrow too.
+// Checks every route that names an object, future ones too.
 TEST_F(OtherProjectTest, WhatBelongsToAnotherProjectLooksAsIfItWereNotThere) {
     const std::map<std::string, std::string> ids = make_one_of_each();
     int num_routes = 0;
@@ -204,7 +202,6 @@ TEST_F(OtherProjectTest, WhatBelongsToAnotherProjectLooksAsIfItWereNotThere) {
     EXPECT_EQ(upload_offset(server_.port(), mine_, "/api/v1/uploads/" + upload), 0);
 }
 
-// A8
 TEST(AccessTest, ARevokedTokenOpensNothingAnyMore) {
     TestServer server;
     const auto made = server.post_json(
@@ -220,7 +217,6 @@ TEST(AccessTest, ARevokedTokenOpensNothingAnyMore) {
     EXPECT_EQ(list.body.find("secret"), std::string::npos);
 }
 
-// S24
 TEST(AccessTest, ATokenInAnAddressIsRefused) {
     TestServer server;
     for (const char* name : {"token", "access_token"}) {

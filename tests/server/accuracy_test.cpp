@@ -44,6 +44,16 @@ protected:
     const std::string dive = "/api/v1/dives/" + id;
 };
 
+TEST_F(AccuracyTest, TruthIsDeletedAsItWasRead) {
+    const std::string file = dive + "/truth/" + send("poses").header("divemesh-truth");
+    const auto deleted_if = [&](const std::string& tag) {
+        return server.request("DELETE", file, server.admin(), {{"If-Match", tag}}).status;
+    };
+    EXPECT_EQ(deleted_if("\"other\""), 412);
+    EXPECT_EQ(deleted_if(get(file).header("etag")), 204);
+    EXPECT_EQ(get(file).status, 404);
+}
+
 TEST_F(AccuracyTest, TruthIsUploadedLaterAndLeavesItsDiveAsItIs) {
     const auto before = get(dive).json();
     const auto sent = send("poses");

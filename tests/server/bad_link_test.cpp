@@ -43,22 +43,18 @@ protected:
     client::TusSettings settings;
 };
 
-// U5
 TEST_F(BadLinkTest, AnUploadSurvivesConnectionResets) {
     expect_intact_through({.cut = Cut::Reset, .cut_after_bytes = 1'300'000}, 4);
 }
 
-// U14
 TEST_F(BadLinkTest, AnUploadSurvivesHalfOpenConnections) {
     expect_intact_through({.cut = Cut::HalfOpen, .cut_after_bytes = 1'300'000}, 4);
 }
 
-// U22
 TEST_F(BadLinkTest, AnUploadSurvivesStalledConnections) {
     expect_intact_through({.cut = Cut::Stall, .cut_after_bytes = 1'300'000, .num_cuts = 3}, 3);
 }
 
-// U13, U22
 TEST_F(BadLinkTest, ParallelPartsSurviveCuts) {
     settings.num_parts = 3;
     for (const Cut cut : {Cut::Reset, Cut::HalfOpen}) {
@@ -71,14 +67,12 @@ TEST_F(BadLinkTest, ParallelPartsSurviveCuts) {
     EXPECT_EQ(num_staged_files(), 0U);
 }
 
-// U13, U22
 TEST_F(BadLinkTest, AJoinWhoseAnswerWasLostIsNotDoneTwice) {
     settings.num_parts = 2;
     const auto first = upload(server.port());
     EXPECT_EQ(upload(server.port()), first) << "the state says that the parts were joined";
 }
 
-// U22
 TEST_F(BadLinkTest, PartsThatTheServerForgotAreSentAnew) {
     settings.num_parts = 2;
     const auto first = upload(server.port());
@@ -88,7 +82,6 @@ TEST_F(BadLinkTest, PartsThatTheServerForgotAreSentAnew) {
     EXPECT_EQ(head(second).header("upload-offset"), "6000000");
 }
 
-// U22
 TEST_F(BadLinkTest, ARefusalOfOnePartEndsThemAll) {
     settings.num_parts = 3;
     settings.give_up_after = 0s;

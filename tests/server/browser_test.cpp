@@ -1,4 +1,4 @@
-// What pages of other origins may do (S23, S25).
+// What pages of other origins may do.
 #include <gtest/gtest.h>
 
 #include "tests/server/test_server.hpp"
@@ -31,7 +31,6 @@ RawResponse open_socket(TestServer& server, const Headers& more) {
     return client.receive().value_or(RawResponse{});
 }
 
-// A13, S25
 TEST(BrowserTest, NoOtherOriginIsLetInByDefault) {
     TestServer server;
     EXPECT_EQ(preflight(server, kLab, "/api/v1/dives").status, 405);
@@ -39,7 +38,6 @@ TEST(BrowserTest, NoOtherOriginIsLetInByDefault) {
     EXPECT_EQ(response.header("access-control-allow-origin"), "");
 }
 
-// S25
 TEST(BrowserTest, OnlyOriginsOnTheListAreLetIn) {
     TestServer server(lab_may());
     const auto allowed = preflight(server, kLab, "/api/v1/dives");
@@ -62,7 +60,7 @@ TEST(BrowserTest, OnlyOriginsOnTheListAreLetIn) {
     EXPECT_EQ(preflight(server, kLab, "/api/v1/uploads").status, 204);
 }
 
-// S23: a page elsewhere cannot open the event stream with what it got hold of (S25).
+// A page of another origin cannot open the event stream.
 TEST(BrowserTest, AStreamIsForOurOwnPagesAndThoseOnTheList) {
     TestServer server(lab_may());
     EXPECT_EQ(open_socket(server, {}).status, 101);
@@ -72,7 +70,6 @@ TEST(BrowserTest, AStreamIsForOurOwnPagesAndThoseOnTheList) {
     EXPECT_EQ(open_socket(server, {{"Origin", "null"}}).status, 403);
 }
 
-// A9
 TEST(BrowserTest, ATraceIsCarriedOnUnlessItIsMalformed) {
     TestServer server;
     const auto echoed = [&](const std::string& trace) {
@@ -86,7 +83,6 @@ TEST(BrowserTest, ATraceIsCarriedOnUnlessItIsMalformed) {
     EXPECT_EQ(echoed(good + "0"), "");
 }
 
-// S24, A7
 TEST(BrowserTest, WhoKeepsGuessingTokensIsToldToWait) {
     server::ServerConfig config;
     config.max_failed_logins_per_s = 0.02;  // two at once
@@ -99,7 +95,6 @@ TEST(BrowserTest, WhoKeepsGuessingTokensIsToldToWait) {
     EXPECT_EQ(server.request("GET", "/api/v1/dives", server.admin()).status, 200);
 }
 
-// A7
 TEST(BrowserTest, ATokenThatAsksTooOftenIsToldToWait) {
     server::ServerConfig config;
     config.max_requests_per_s = 0.5;  // one at once

@@ -97,7 +97,6 @@ protected:
     std::string path_;
 };
 
-// U20
 TEST_F(CrashTest, AClientThatGoesOnGetsItsDive) {
     const int num_points = kill_everywhere([&](const ServerProcess& server, bool) {
         const auto offset = upload_offset(server.port(), token_, path_);
@@ -116,7 +115,6 @@ TEST_F(CrashTest, AClientThatGoesOnGetsItsDive) {
     EXPECT_GT(num_points, 30);
 }
 
-// U20
 TEST_F(CrashTest, BytesThatAllCameBecomeTheirDiveThoughNobodyAsks) {
     int num_whole = 0;
     kill_everywhere([&](const ServerProcess& server, bool is_whole) {

@@ -25,7 +25,6 @@ protected:
     const std::string dive = "/api/v1/dives/" + id;
 };
 
-// A4
 TEST_F(DiveRemovalTest, NeedsToKnowWhatItDeletes) {
     const std::string etag = get(dive).header("etag");
     EXPECT_EQ(server.request("DELETE", dive, server.admin()).status, 428);
@@ -79,7 +78,7 @@ TEST(DivesTest, AreFoundByTagSiteAndTime) {
         ASSERT_EQ(items.size(), 1U) << query;
         EXPECT_EQ(items[0]["id"], id);
     }
-    // S29: what SQL would take for a wildcard is a character.
+    // Wildcards of SQL are plain characters here.
     for (const char* query : {"tag=re%25f", "tag=%25", "tag=_____", "site=%25", "tag=REEF"})
         EXPECT_EQ(find(query).json()["items"].size(), 0U) << query;
     const std::int64_t created = find("tag=reef").json()["items"][0]["created_at_ms"];

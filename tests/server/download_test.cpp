@@ -66,7 +66,6 @@ TEST_F(DownloadTest, SaysHowLongTheFileIsWhenTheRangeLiesOutside) {
     EXPECT_EQ(response.header("content-type"), "application/problem+json");
 }
 
-// S22
 TEST_F(DownloadTest, AnswersSeveralRangesWithTheWhole) {
     std::string many = "bytes=0-0";
     for (int i = 0; i < 1000; ++i) many += ",5-6";
@@ -81,7 +80,6 @@ TEST_F(DownloadTest, AnswersSeveralRangesWithTheWhole) {
     }
 }
 
-// S22
 TEST_F(DownloadTest, ResumesOnlyTheSameFile) {
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", etag}}).status, 206);
     EXPECT_EQ(get({{"Range", "bytes=5-6"}, {"If-Range", "\"other\""}}).status, 200);
@@ -99,7 +97,6 @@ TEST_F(DownloadTest, GoesOnOnlyWithTheFileThatTheClientMeans) {
     EXPECT_EQ(get({{"If-Match", "W/" + etag}}).status, 412);
 }
 
-// A5
 TEST_F(DownloadTest, SendsNothingThatTheClientHas) {
     const auto response = get({{"If-None-Match", "\"other\", " + etag}});
     EXPECT_EQ(response.status, 304);
@@ -108,7 +105,7 @@ TEST_F(DownloadTest, SendsNothingThatTheClientHas) {
     EXPECT_EQ(response.header("cache-control"), "private, no-cache");
 }
 
-// RFC 8246: who says which bytes it means need never ask again.
+// RFC 8246: an address that contains the hash of the bytes need not be revalidated.
 TEST_F(DownloadTest, AnAddressThatSaysWhichBytesMayBeKept) {
     const auto ask = [&](const std::string& query, const Headers& headers = {}) {
         return server.request("GET", path + query, server.admin(), headers);
@@ -180,7 +177,6 @@ TEST_F(LargeDownloadTest, AClientThatResetsTheConnectionDoesNoHarm) {
     EXPECT_EQ(RawClient(server.port()).request("GET", "/healthz/live").status, 200);
 }
 
-// S1
 TEST(DownloadNamesTest, FindsAnArtifactInAFolderAndNothingElse) {
     TestServer server;
     const std::string artifacts = "/api/v1/jobs/" +
@@ -202,7 +198,6 @@ TEST(DownloadNamesTest, FindsAnArtifactInAFolderAndNothingElse) {
         EXPECT_EQ(server.request("GET", artifacts + name, server.admin()).status, 404) << name;
 }
 
-// S9, S20, A13
 TEST(DownloadNamesTest, HandsPagesOverAsFilesInASandbox) {
     TestServer server;
     const auto response =
@@ -214,8 +209,8 @@ TEST(DownloadNamesTest, HandsPagesOverAsFilesInASandbox) {
     EXPECT_TRUE(response.header("content-security-policy").starts_with("sandbox"));
 }
 
-// S9: Nothing that a worker names becomes a page of ours: what a browser would run is a file or
-// bytes.
+// No artifact is served as a page of our origin, whatever its name: what a browser would run is
+// sent as an attachment or as plain bytes.
 TEST(DownloadNamesTest, NoNameIsServedAsAPage) {
     TestServer server;
     for (const char* name : {"report.html",
@@ -243,7 +238,8 @@ TEST(DownloadNamesTest, NoNameIsServedAsAPage) {
     }
 }
 
-// The name of an upload is for people: it decides no type, and a dive hands out nothing by it (S9).
+// The name of an upload is for people: it does not determine the content type, and a dive serves
+// no file under it.
 TEST(DownloadNamesTest, ANameThatAClientChoseDecidesNoType) {
     TestServer server;
     const auto path =

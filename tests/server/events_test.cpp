@@ -92,7 +92,6 @@ TEST(EventsTest, TellsOnlyOfTheTokensProject) {
     EXPECT_EQ(event.subject, mine);
 }
 
-// A15, S23
 TEST(EventsTest, ASlowReaderDelaysNoOtherReaderAndLosesNothing) {
     server::ServerConfig config;
     config.timeouts.web_socket = 300s;  // the slow one answers no ping while it does not read
@@ -137,7 +136,7 @@ TEST(EventsTest, DropsAClientThatGivesNoSignOfLife) {
     EXPECT_LT(std::chrono::steady_clock::now() - began, 15s);
 }
 
-// Pings go out at half of the time that a client may be silent (T5).
+// Pings go out at half of the time that a client may be silent.
 TEST(EventsTest, AWatcherThatAnswersPingsStaysThoughNothingHappens) {
     EXPECT_EQ(server::Timeouts{}.web_socket, 30s);
     server::ServerConfig config;
@@ -150,7 +149,6 @@ TEST(EventsTest, AWatcherThatAnswersPingsStaysThoughNothingHappens) {
     EXPECT_GT(heard.get().sequence, 0);
 }
 
-// S24
 TEST(EventsTest, AStreamEndsWhenItsTokenIsRevoked) {
     TestServer server;
     const auto made = server.post_json(
@@ -176,7 +174,6 @@ TEST(EventsTest, AOneShotTokenOpensAStream) {
     EXPECT_THROW(EventClient(server.port(), "", query), beast::system_error);
 }
 
-// S23
 TEST(EventsTest, SurvivesWhatAHostileClientSends) {
     TestServer server;
     const auto frame = [](unsigned char first, std::string_view payload) {
@@ -192,7 +189,7 @@ TEST(EventsTest, SurvivesWhatAHostileClientSends) {
                                      pings,
                                      huge + std::string(1000, 'x'),
                                      frame(0x81, "\xff\xfe"),   // text that is no UTF-8
-                                     frame(0xc1, "deflated?"),  // compression nobody agreed to
+                                     frame(0xc1, "deflated?"),  // compression was not agreed on
                                      frame(0x83, "reserved"),
                                      std::string("\x81\x01x", 3),  // not masked
                                      frame(0x88, "\x03")}) {       // half a close code

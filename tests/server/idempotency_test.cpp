@@ -48,14 +48,12 @@ TEST_F(IdempotencyTest, ARepeatedRequestIsAnsweredAgainAndNotDoneAgain) {
     EXPECT_EQ(num_audits(), 1);  // what is not done again is not noted again
 }
 
-// S30
 TEST_F(IdempotencyTest, AKeyIsNoExcuseForAnotherBody) {
     EXPECT_EQ(ask("key", {{"preset", "fast"}}).status, 201);
     EXPECT_EQ(ask("key", {{"preset", "paper"}}).status, 422);
     EXPECT_EQ(num_jobs(), 1U);
 }
 
-// S30
 TEST_F(IdempotencyTest, AKeyBelongsToTheTokenThatUsedIt) {
     const auto first = ask("key", {{"preset", "fast"}});
     const auto stranger = server.make_token("elsewhere", {"dives:read", "jobs:write"});
@@ -64,7 +62,6 @@ TEST_F(IdempotencyTest, AKeyBelongsToTheTokenThatUsedIt) {
     EXPECT_EQ(ask("key", {{"preset", "paper"}}, colleague).status, 201);
 }
 
-// S30
 TEST_F(IdempotencyTest, HugeAndUnprintableKeysAreRefused) {
     for (const std::string& key : {std::string(),
                                    std::string("\"\""),
@@ -75,7 +72,7 @@ TEST_F(IdempotencyTest, HugeAndUnprintableKeysAreRefused) {
     EXPECT_EQ(num_jobs(), 0U);
 }
 
-// The catalog is busy with another writer: the first request waits for it (A6).
+// The catalog is busy with another writer: the first request waits for it.
 TEST_F(IdempotencyTest, ASecondRequestWhileTheFirstIsUnderWayIsToldToWait) {
     ask("first", {{"preset", "fast"}});  // the token's use is noted
     RawResponse first;
@@ -102,7 +99,6 @@ TEST_F(IdempotencyTest, ASecondRequestWhileTheFirstIsUnderWayIsToldToWait) {
     EXPECT_EQ(num_jobs(), 2U);
 }
 
-// A6
 TEST_F(IdempotencyTest, WhatChangesIsRepeatedLikewise) {
     const std::string job = ask("job", {{"preset", "fast"}}).header("location");
     const auto cancel = [&] {
@@ -111,13 +107,12 @@ TEST_F(IdempotencyTest, WhatChangesIsRepeatedLikewise) {
     const auto first = cancel();
     EXPECT_EQ(first.status, 200) << first.body;
     EXPECT_EQ(server.request("POST", job + "/retry", token).status, 200);
-    const auto again = cancel();  // is not done to what runs anew
+    const auto again = cancel();  // does not cancel the new attempt
     EXPECT_EQ(again.body, first.body);
     EXPECT_EQ(again.header("idempotency-replayed"), "true");
     EXPECT_EQ(server.request("GET", job, token).json()["state"], "queued");
 }
 
-// A6
 TEST_F(IdempotencyTest, AnAnswerWithASecretIsNotKept) {
     const auto make = [&](const std::string& path, const nlohmann::json& body) {
         return server.request("POST",
@@ -133,7 +128,6 @@ TEST_F(IdempotencyTest, AnAnswerWithASecretIsNotKept) {
     EXPECT_EQ(server.post_json("/api/v1/tokens", server.admin(), wanted).status, 201);
 }
 
-// A6
 TEST_F(IdempotencyTest, ARefusalIsNotKept) {
     const auto path = create_upload(server.port(), token, 300'000);
     const auto commit = [&] {

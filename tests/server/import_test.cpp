@@ -97,7 +97,6 @@ TEST_F(ImportTest, ADiveThatIsThereTwiceIsOne) {
     EXPECT_EQ(dives(server, 2), (std::vector<std::string>{"a.tar", "c.tar"}));
 }
 
-// S3, S4
 TEST_F(ImportTest, LinksAndSpecialFilesLeadNowhere) {
     write(home / "disk10/outside.tar", archive);
     write(home / "disk/real.tar", archive + "1");

@@ -17,7 +17,6 @@ std::string status_line(RawClient& client) {
     return text.substr(0, text.find("\r\n"));
 }
 
-// A15
 TEST(LimitsTest, RefusesAHeaderThatIsTooLarge) {
     TestServer server;
     RawClient client(server.port());
@@ -36,7 +35,6 @@ TEST(LimitsTest, RefusesABodyThatIsTooLargeBeforeItIsSent) {
     EXPECT_EQ(client.receive()->status, 413);
 }
 
-// A15
 TEST(LimitsTest, RefusesAnEndlessChunkedBody) {
     TestServer server;
     RawClient client(server.port());
@@ -53,7 +51,6 @@ TEST(LimitsTest, RefusesAnEndlessChunkedBody) {
     EXPECT_EQ(response->status, 413);
 }
 
-// S21
 TEST(LimitsTest, RefusesWhatIsNotHttpOrMeansTwoThings) {
     TestServer server;
     for (const char* bytes :
@@ -79,7 +76,6 @@ TEST(LimitsTest, RefusesWhatIsNotHttpOrMeansTwoThings) {
     EXPECT_EQ(server.request("GET", "/healthz/live", "").status, 200);
 }
 
-// S22
 TEST(LimitsTest, LeavesAClientThatNeverFinishesItsHeader) {
     server::ServerConfig config;
     config.timeouts.header = 300ms;
@@ -89,7 +85,6 @@ TEST(LimitsTest, LeavesAClientThatNeverFinishesItsHeader) {
     EXPECT_TRUE(client.at_end());
 }
 
-// S22
 TEST(LimitsTest, LeavesAClientThatTakesNoAnswer) {
     server::ServerConfig config;
     config.timeouts.write = 300ms;
@@ -107,7 +102,7 @@ TEST(LimitsTest, LeavesAClientThatTakesNoAnswer) {
     EXPECT_LT(received, 20'000'000U);
 }
 
-// S28: what a proxy would say is believed of nobody.
+// Headers of a proxy have no effect.
 TEST(LimitsTest, HeadersOfProxiesChangeNothing) {
     server::ServerConfig config;
     config.max_failed_logins_per_s = 0.01;  // one at once
@@ -137,7 +132,6 @@ TEST(LimitsTest, AnswersRequestsThatAreSentInOneGo) {
     for (int i = 0; i < 3; ++i) EXPECT_EQ(client.receive()->status, 200);
 }
 
-// S22
 TEST(LimitsTest, TakesNoMoreConnectionsThanItMay) {
     server::ServerConfig config;
     config.max_connections = 2;
@@ -156,7 +150,6 @@ TEST(LimitsTest, TakesNoMoreConnectionsThanItMay) {
     EXPECT_EQ(first.request("GET", "/healthz/live").status, 200);
 }
 
-// A11
 TEST(LimitsTest, StopsDespiteIdleClientsAndUnfinishedRequests) {
     server::ServerConfig config;
     config.timeouts.stop = 2s;

@@ -1,4 +1,4 @@
-// Q5: a worker that is gone, and none other that would notice.
+// A worker is gone and no other one polls.
 #include <gtest/gtest.h>
 
 #include <thread>

@@ -30,7 +30,6 @@ std::map<std::string, double> parse(const std::string& text) {
     return values;
 }
 
-// A10
 TEST(MetricsTest, CountWhatHappened) {
     TestServer server;
     const std::string token = server.make_token("default", {"metrics:read"});
@@ -126,7 +125,7 @@ TEST(MetricsTest, TellHowLongTheStagesOfAllJobsTook) {
     EXPECT_EQ(values[R"(divemesh_stage_seconds_count{stage="fuse"})"], 1);
 }
 
-// What A10 asks for, and what the dashboard shows, is there.
+// Checks that the server exports every metric of the dashboard.
 TEST(MetricsTest, EveryMetricOfTheDashboardExists) {
     TestServer server;
     const auto text = server.request("GET", "/metrics", server.admin()).body;
@@ -162,7 +161,6 @@ TEST(MetricsTest, EveryMetricOfTheDashboardExists) {
         EXPECT_TRUE(shown.contains(series)) << series;
 }
 
-// S26
 TEST(MetricsTest, AreForWhoMayReadThem) {
     TestServer server;
     EXPECT_EQ(server.request("GET", "/metrics", "").status, 401);

@@ -32,7 +32,6 @@ protected:
         server.post_json(dive + "/jobs", server.admin(), {{"preset", "fast"}}).header("location");
 };
 
-// A4
 TEST_F(PreconditionsTest, ALateChangeOfAJobUndoesNoOtherOne) {
     const std::string read = tag_of(job);
     EXPECT_EQ(ask("PATCH", job, read, {{"priority", 5}}), 200);
@@ -42,7 +41,6 @@ TEST_F(PreconditionsTest, ALateChangeOfAJobUndoesNoOtherOne) {
     EXPECT_EQ(ask("PATCH", job, "*", {{"priority", 2}}), 200);
 }
 
-// A4
 TEST_F(PreconditionsTest, AJobIsCancelledAndRetriedAsItWasRead) {
     EXPECT_EQ(ask("POST", job + "/cancel", "\"other\""), 412);
     const std::string queued = tag_of(job);
@@ -52,7 +50,6 @@ TEST_F(PreconditionsTest, AJobIsCancelledAndRetriedAsItWasRead) {
     EXPECT_EQ(ask("POST", job + "/retry", tag_of(job)), 200);
 }
 
-// A4
 TEST_F(PreconditionsTest, AQueueIsChangedAsItWasRead) {
     const std::string lab = "/api/v1/queue?project=lab";
     const std::string read = tag_of(lab);
@@ -63,7 +60,6 @@ TEST_F(PreconditionsTest, AQueueIsChangedAsItWasRead) {
     EXPECT_EQ(ask("POST", "/api/v1/queue/redrive", tag_of(lab), {{"project", "lab"}}), 200);
 }
 
-// A4
 TEST_F(PreconditionsTest, AWorkerIsDrainedAsItWasRead) {
     storage::WorkerStore(server.catalog()).report("boat", 2);
     const std::string boat = "/api/v1/workers/boat";
@@ -74,7 +70,6 @@ TEST_F(PreconditionsTest, AWorkerIsDrainedAsItWasRead) {
     EXPECT_EQ(server.request("GET", "/api/v1/workers/nobody", server.admin()).status, 404);
 }
 
-// A4
 TEST_F(PreconditionsTest, ADiveIsRestoredAsItWasRead) {
     const std::string before = tag_of(dive);
     EXPECT_EQ(ask("DELETE", dive, before), 200);
@@ -82,7 +77,16 @@ TEST_F(PreconditionsTest, ADiveIsRestoredAsItWasRead) {
     EXPECT_EQ(ask("POST", dive + "/restore", tag_of(dive)), 200);
 }
 
-// A4
+TEST_F(PreconditionsTest, AScheduleIsDeletedAsItWasRead) {
+    const std::string schedule =
+        server
+            .post_json(
+                "/api/v1/schedules", server.admin(), {{"cron", "0 4 * * *"}, {"tag", "yearly"}})
+            .header("location");
+    EXPECT_EQ(ask("DELETE", schedule, "\"other\""), 412);
+    EXPECT_EQ(ask("DELETE", schedule, tag_of(schedule)), 204);
+}
+
 TEST_F(PreconditionsTest, WhatHasNoTagIsChangedForAnyTagOrNone) {
     const auto made = server.post_json(
         "/api/v1/tokens", server.admin(), {{"name", "n"}, {"scopes", {"dives:read"}}});

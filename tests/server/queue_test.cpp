@@ -46,13 +46,12 @@ protected:
     int num_jobs = 0;
 };
 
-// Q11
 TEST_F(QueueTest, TellsAQueuedJobWhereItStands) {
     ask();
     const std::string second = ask();
 
     EXPECT_EQ(get(second).json()["forecast"]["position"], 2);
-    EXPECT_EQ(get(second).json()["forecast"]["starts_in_s"], -1.0);  // nobody works
+    EXPECT_EQ(get(second).json()["forecast"]["starts_in_s"], -1.0);  // no worker polls
     const nlohmann::json queued = get("/api/v1/jobs?state=queued").json();
     ASSERT_GE(queued["items"].size(), 2U);
     for (const auto& job : queued["items"]) EXPECT_TRUE(job["forecast"].is_object());
@@ -89,7 +88,6 @@ TEST_F(QueueTest, HoldsAJobBehindItsParents) {
     EXPECT_EQ(post(jobs_of_dive, {{"parents", "job_none"}}).status, 400);
 }
 
-// A14
 TEST(DiskGuardTest, NoJobIsPutBackWhileTheDiskIsNearlyFull) {
     server::ServerConfig config;
     config.min_free_bytes = std::int64_t{1} << 60;
@@ -166,7 +164,6 @@ TEST_F(QueueTest, PausesAndLimitsByTheAdministratorAlone) {
     EXPECT_EQ(patch("/api/v1/queue", {{"paused", "yes"}}).status, 400);
 }
 
-// Q12
 TEST_F(QueueTest, RedrivesTheDeadOfAProject) {
     const std::string job = ask();
     storage::JobStore jobs(server.catalog(), {.first = std::chrono::milliseconds(0)});

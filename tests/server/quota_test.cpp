@@ -89,7 +89,7 @@ TEST_F(ByteQuotaTest, AStreamWithoutLengthEndsAtIt) {
     expect_out_of_quota(patch(path, 1000, "x"));
 }
 
-// S11: what is named twice is laid down twice.
+// A part that is named twice counts twice.
 TEST_F(ByteQuotaTest, PartsCountOnceAndTheirRepetitionsToo) {
     const auto part = make_part(std::string(400, 'x'));
     expect_out_of_quota(create({{"Upload-Concat", final_of({part, part, part})}}));

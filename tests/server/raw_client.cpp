@@ -8,7 +8,6 @@
 #include <openssl/evp.h>
 #include <stdexcept>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "tests/server/contract.hpp"
 
@@ -22,24 +21,25 @@ std::string RawResponse::header(const std::string& name) const {
 RawClient::RawClient(int port, int receive_buffer_bytes)
     : socket_(::socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
     const timeval timeout{20, 0};
-    setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
-    setsockopt(socket_, SOL_SOCKET, SO_SNDTIMEO, &timeout, sizeof timeout);
+    setsockopt(socket_.get(), SOL_SOCKET, SO_RCVTIMEO, &timeout, sizeof timeout);
+    setsockopt(socket_.get(), SOL_SOCKET, SO_SNDTIMEO, &timeout, sizeof timeout);
     if (receive_buffer_bytes > 0)
-        setsockopt(
-            socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer_bytes, sizeof receive_buffer_bytes);
+        setsockopt(socket_.get(),
+                   SOL_SOCKET,
+                   SO_RCVBUF,
+                   &receive_buffer_bytes,
+                   sizeof receive_buffer_bytes);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    if (connect(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
+    if (connect(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0)
         throw std::runtime_error("cannot connect");
 }
 
-RawClient::~RawClient() { close(socket_); }
-
 bool RawClient::send(std::string_view bytes) {
     while (!bytes.empty()) {
-        const auto n = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+        const auto n = ::send(socket_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
         if (n <= 0) return false;
         bytes.remove_prefix(static_cast<std::size_t>(n));
     }
@@ -48,7 +48,7 @@ bool RawClient::send(std::string_view bytes) {
 
 std::string RawClient::read_available() {
     char buffer[1 << 16];
-    const auto n = recv(socket_, buffer, sizeof buffer, 0);
+    const auto n = recv(socket_.get(), buffer, sizeof buffer, 0);
     return n <= 0 ? std::string() : std::string(buffer, static_cast<std::size_t>(n));
 }
 
@@ -56,9 +56,8 @@ bool RawClient::at_end() { return received_.empty() && read_available().empty();
 
 void RawClient::reset() {
     const linger read_nonblocking{1, 0};
-    setsockopt(socket_, SOL_SOCKET, SO_LINGER, &read_nonblocking, sizeof read_nonblocking);
-    close(socket_);
-    socket_ = -1;
+    setsockopt(socket_.get(), SOL_SOCKET, SO_LINGER, &read_nonblocking, sizeof read_nonblocking);
+    socket_.close();
 }
 
 std::optional<RawResponse> RawClient::receive(bool head) {
@@ -110,7 +109,7 @@ RawResponse RawClient::request(const std::string& method,
                                const std::string& target,
                                const Headers& headers,
                                std::string_view body) {
-    const bool has_body = !body.empty() || method == "POST" || method == "PATCH";
+    const bool has_body = !body.empty() || method == "POST" || method == "PATCH" || method == "PUT";
     const auto length = has_body ? std::optional(body.size()) : std::nullopt;
     send(request_head(method, target, headers, length));
     send(body);  // may fail when the answer came first: that is then read

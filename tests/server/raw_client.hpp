@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "schemas/file_descriptor.hpp"
+
 namespace divemesh {
 
 using Headers = std::vector<std::pair<std::string, std::string>>;
@@ -27,9 +29,6 @@ struct RawResponse {
 class RawClient {
 public:
     explicit RawClient(int port, int receive_buffer_bytes = 0);
-    ~RawClient();
-    RawClient(const RawClient&) = delete;
-    RawClient& operator=(const RawClient&) = delete;
 
     bool send(std::string_view bytes);  // false: the server has closed
     // Returns the next response, without 100 Continue; nullopt if the connection ends before it is
@@ -49,7 +48,7 @@ public:
 private:
     std::optional<RawResponse> receive_one(bool head);
 
-    int socket_;
+    FileDescriptor socket_;
     std::string received_;
 };
 

@@ -1,4 +1,4 @@
-// What is read by its key is answered where it arrives, whatever the pool is busy with.
+// Reads by key are answered on the I/O thread, even while the pool is busy.
 #include <future>
 #include <soci/soci.h>
 

@@ -28,7 +28,6 @@ std::string detail_of(const RawResponse& response) {
     return response.json().value("detail", "");
 }
 
-// A10
 TEST(ReadinessTest, NotReadyWithACatalogOfAnotherVersion) {
     TestServer server;
     const auto set_version = [&](int more) {
@@ -43,7 +42,6 @@ TEST(ReadinessTest, NotReadyWithACatalogOfAnotherVersion) {
     ready(server, 200);
 }
 
-// A10
 TEST(ReadinessTest, NotReadyWithoutAPlaceForBlobs) {
     const TestServer server;
     ready(server, 200);
@@ -58,7 +56,6 @@ TEST(ReadinessTest, NotReadyWithoutAPlaceForBlobs) {
     ready(server, 200);
 }
 
-// A10
 TEST(ReadinessTest, NotReadyOnAFullDisk) {
     server::ServerConfig config;
     config.min_free_bytes = std::int64_t{1} << 60;

@@ -19,7 +19,6 @@ protected:
     const std::string token = server.admin();
 };
 
-// A3
 TEST_F(RestTest, PagesThroughAListByItsLinks) {
     for (int i = 0; i < 5; ++i) server.make_dive("default", sha256_hex(std::to_string(i)));
     std::vector<std::string> seen;
@@ -47,7 +46,6 @@ TEST_F(RestTest, FindsADiveByItsHash) {
               0U);
 }
 
-// S29
 TEST_F(RestTest, RefusesListsThatMakeNoSense) {
     for (const char* query : {"limit=0",
                               "limit=201",
@@ -63,7 +61,6 @@ TEST_F(RestTest, RefusesListsThatMakeNoSense) {
     EXPECT_EQ(get("/api/v1/jobs?kind=none").status, 400);
 }
 
-// A3
 TEST_F(RestTest, ShortListsArePagedToo) {
     for (int i = 0; i < 4; ++i) server.make_token("default", {"dives:read"});
     const std::string list = "/api/v1/tokens";
@@ -114,7 +111,6 @@ TEST_F(RestTest, RefusesJobsThatCannotBeDone) {
     EXPECT_EQ(post(jobs, nlohmann::json::array()), 400);
 }
 
-// A2
 TEST_F(RestTest, RefusesBodiesThatAreNotTheJsonTheyShouldBe) {
     const auto send = [&](const std::string& type, std::string_view body) {
         return server.request("POST", "/api/v1/dives", token, {{"Content-Type", type}}, body)
@@ -130,7 +126,6 @@ TEST_F(RestTest, RefusesBodiesThatAreNotTheJsonTheyShouldBe) {
     EXPECT_EQ(send("application/json", R"({"upload_id":5})"), 400);
 }
 
-// A2
 TEST_F(RestTest, TellsAllThatIsWrongAtOnceAndWhere) {
     const std::string dive = "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a'));
     const auto places = [](const RawResponse& response) {
@@ -167,7 +162,6 @@ TEST_F(RestTest, TellsTheLogAndTheArtifactsOfAJob) {
     EXPECT_FALSE(artifacts[0].contains("blob"));
 }
 
-// A4
 TEST_F(RestTest, SendsNoResourceThatHasNotChanged) {
     const std::string dive = "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a'));
     const std::string etag = get(dive).header("etag");
@@ -175,7 +169,6 @@ TEST_F(RestTest, SendsNoResourceThatHasNotChanged) {
     EXPECT_EQ(server.request("GET", dive, token, {{"If-None-Match", etag}}).status, 304);
 }
 
-// A1
 TEST_F(RestTest, AnswersHealthAndItsOwnContractToAnybody) {
     EXPECT_EQ(server.request("GET", "/healthz/live", "").json()["status"], "live");
     EXPECT_EQ(server.request("GET", "/healthz/ready", "").json()["status"], "ready");
@@ -189,7 +182,6 @@ TEST_F(RestTest, NamesTheMethodsOfAnAddress) {
     EXPECT_EQ(get("/nothing").status, 404);
 }
 
-// S29
 TEST_F(RestTest, RepeatsTheRequestsIdUnlessItIsHostile) {
     const auto id_of = [&](const std::string& sent) {
         return server.request("GET", "/healthz/live", "", {{"X-Request-Id", sent}})

@@ -2,8 +2,8 @@
 #include <soci/soci.h>
 #include <thread>
 
-#include "api/wall_clock.hpp"
 #include "schemas/event.hpp"
+#include "schemas/wall_clock.hpp"
 #include "storage/event_store.hpp"
 #include "tests/server/sensor_fixture.hpp"
 
@@ -105,7 +105,7 @@ TEST_F(SensorCommandTest, SetsTheClockToWhatItIsWhenHandedOver) {
         if (frame.contains("command"))
             told[frame["command"]["id"]] = frame["command"]["arguments"]["time_ms"];
     }
-    const std::int64_t after = api::now_ms();
+    const std::int64_t after = wall_time_ms();
     const std::int64_t created = behind["created_at_ms"];
     EXPECT_GE(told[behind["id"]] - 1'000, before - created);
     EXPECT_LE(told[behind["id"]] - 1'000, after - created);

@@ -11,7 +11,6 @@ using nlohmann::json;
 
 class SensorStreamTest : public SensorFixture {};
 
-// T1
 TEST_F(SensorStreamTest, WhatIsSentIsAnsweredOnceItIsDurable) {
     WebSocketClient sensor = stream();
     EXPECT_GT(sensor.next_json()["welcome"]["time_ms"], std::int64_t{1'700'000'000'000});
@@ -41,7 +40,7 @@ TEST_F(SensorStreamTest, ManyAtOnceAreWrittenTogetherAndAllAnswered) {
               json::array({kNumMessages}));
 }
 
-// S34: three seconds of a device that says a thousand things a second, all in one.
+// Sends three seconds of a device with a thousand messages a second at once.
 TEST_F(SensorStreamTest, AFloodIsTakenAndKeepsNoOtherSensorWaiting) {
     constexpr int kMany = 3'000;
     const std::string other = sensor_token("other");
@@ -61,7 +60,6 @@ TEST_F(SensorStreamTest, AFloodIsTakenAndKeepsNoOtherSensorWaiting) {
     EXPECT_EQ(get("/api/v1/sensors/aqua")["status"]["num_frames"], kMany - 1);
 }
 
-// T4
 TEST_F(SensorStreamTest, APreviewIsShownWithItsAge) {
     WebSocketClient sensor = stream();
     sensor.next_json();
@@ -77,7 +75,7 @@ TEST_F(SensorStreamTest, APreviewIsShownWithItsAge) {
     EXPECT_EQ(preview["height"], 48);
     EXPECT_EQ(preview["sha256"], sha256_hex(image));
     EXPECT_EQ(preview["about"]["exposure_ms"], 4);
-    EXPECT_EQ(shown["summary"], "stop") << "nine of ten pictures are dark";
+    EXPECT_EQ(shown["summary"], "stop") << "nine of ten images are dark";
     const RawResponse newest =
         server_.request("GET", "/api/v1/sensors/aqua/preview.jpg?camera=cam0", server_.admin());
     EXPECT_EQ(newest.body, image);
@@ -115,7 +113,7 @@ TEST_F(SensorStreamTest, TheNewestImagesAreKept) {
     EXPECT_EQ(get("/api/v1/sensors/aqua/previews?limit=5")["items"].size(), 5U);
 }
 
-// S34: the stream goes on after each of them.
+// The stream goes on after each of them.
 TEST_F(SensorStreamTest, WhatIsNoFrameIsRefusedByItsNumber) {
     WebSocketClient sensor = stream();
     sensor.next_json();
@@ -127,7 +125,7 @@ TEST_F(SensorStreamTest, WhatIsNoFrameIsRefusedByItsNumber) {
     giant.replace(frame + 5, 4, "\x4E\x20\x4E\x20");
     const json camera_less = preview_header(7, json::object());
     for (const std::string& bytes :
-         {preview_frame(header, "not a picture"),
+         {preview_frame(header, "not an image"),
           preview_frame(header, giant),
           preview_frame(header, whole.substr(0, whole.size() / 2)),
           preview_frame(header, ""),
@@ -164,7 +162,6 @@ TEST_F(SensorStreamTest, AFrameThatIsTooLongEndsTheStream) {
     EXPECT_EQ(sensor.close_code(), 1009U);
 }
 
-// S34
 TEST_F(SensorStreamTest, ATokenSpeaksForItsSensorAlone) {
     const std::string other = sensor_token("other");
     for (const std::string& token :
@@ -174,7 +171,6 @@ TEST_F(SensorStreamTest, ATokenSpeaksForItsSensorAlone) {
     EXPECT_EQ(server_.request("GET", "/api/v1/sensors/aqua/stream", token_).status, 426);
 }
 
-// T6
 TEST_F(SensorStreamTest, TheNewestStreamTakesTheSensorsPlace) {
     WebSocketClient first = stream();
     first.next_json();

@@ -13,7 +13,6 @@ using nlohmann::json;
 
 class SensorTest : public SensorFixture {};
 
-// T1, T2
 TEST_F(SensorTest, AStatusIsAcknowledgedAndShown) {
     const RawResponse answer = push(token_, report(0, {{"battery", 0.8}, {"depth_m", 0.4}}));
     ASSERT_EQ(answer.status, 200) << answer.body;
@@ -35,7 +34,6 @@ TEST_F(SensorTest, AStatusIsAcknowledgedAndShown) {
     EXPECT_EQ(history["fields"]["leak"]["largest"], json::array({nullptr}));
 }
 
-// S34
 TEST_F(SensorTest, ATokenPushesForItsSensorAndDoesNothingElse) {
     EXPECT_EQ(push(token_, report(0, json::object()), "other").status, 404);
     EXPECT_EQ(push(server_.make_token("default", {"dives:write"}), report(0, {})).status, 403);
@@ -45,7 +43,6 @@ TEST_F(SensorTest, ATokenPushesForItsSensorAndDoesNothingElse) {
     EXPECT_EQ(server_.request("GET", "/api/v1/sensors/aqua", server_.admin()).status, 404);
 }
 
-// S13
 TEST_F(SensorTest, OfAnotherProjectASensorIsNotThere) {
     push(token_, report(0, json::object()));
     const std::string north = server_.make_token("north", {"dives:read"});
@@ -57,7 +54,6 @@ TEST_F(SensorTest, OfAnotherProjectASensorIsNotThere) {
     EXPECT_EQ(get("/api/v1/sensors/aqua")["acknowledged"], 0);
 }
 
-// S34
 TEST_F(SensorTest, WhatIsNoReportIsRefusedWithItsPlaces) {
     const RawResponse wrong = push(token_, report(0, {{"battery", 7}, {"leak", "yes"}}));
     ASSERT_EQ(wrong.status, 400);
@@ -152,7 +148,7 @@ protected:
     SensorOnAFullDiskTest() : SensorFixture(full()) {}
 };
 
-// A14 for sensors: what they say goes on, their images take no more room.
+// On a nearly full disk every status is stored, but only the newest few images.
 TEST_F(SensorOnAFullDiskTest, KeepsFewPreviewsAndEveryStatus) {
     const json image = {{"camera", "cam0"}, {"jpeg", base64(jpeg())}};
     for (int i = 0; i < 30; i += 2) {

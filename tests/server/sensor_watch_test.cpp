@@ -28,7 +28,6 @@ protected:
     }
 };
 
-// T5
 TEST_F(SensorWatchTest, ASnapshotAndThenWhatHasChanged) {
     push(token_, report(0, {{"battery", 0.8}, {"depth_m", 0.4}}));
     WebSocketClient watcher = watch("aqua");
@@ -53,7 +52,6 @@ TEST_F(SensorWatchTest, WhatIsNullIsLeftOut) {
     EXPECT_EQ(next_frame_of(watcher)["data"]["status"], (json{{"vendor", {{"rpm", 3}}}}));
 }
 
-// T5
 TEST_F(SensorWatchTest, TwoFramesASecondAtMostAndTheNewestOne) {
     push(token_, report(0, {{"num_frames", 0}}));
     WebSocketClient watcher = watch("aqua");

@@ -6,6 +6,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "schemas/file_descriptor.hpp"
+
 namespace divemesh {
 
 ServerProcess::ServerProcess(const std::filesystem::path& data,
@@ -15,20 +17,21 @@ ServerProcess::ServerProcess(const std::filesystem::path& data,
     std::vector<char*> arguments;
     for (std::string& word : words) arguments.push_back(word.data());
     arguments.push_back(nullptr);
-    int out[2];
-    if (pipe(out) != 0) throw std::runtime_error("pipe");
+    int ends[2];
+    if (pipe(ends) != 0) throw std::runtime_error("pipe");
+    FileDescriptor read_end(ends[0]);
+    FileDescriptor write_end(ends[1]);
     pid_ = fork();
     if (pid_ == 0) {
-        dup2(out[1], STDOUT_FILENO);
-        close(out[0]);
-        close(out[1]);
+        dup2(write_end.get(), STDOUT_FILENO);
+        read_end.close();
+        write_end.close();
         execv(DIVEMESH_SERVE_PROCESS, arguments.data());
         _exit(127);
     }
-    close(out[1]);
+    write_end.close();
     std::string line;
-    for (char c = 0; read(out[0], &c, 1) == 1 && c != '\n';) line += c;
-    close(out[0]);
+    for (char c = 0; read(read_end.get(), &c, 1) == 1 && c != '\n';) line += c;
     if (line.empty()) throw std::runtime_error("the server did not start");
     port_ = std::stoi(line.substr(line.rfind(':') + 1));
 }

@@ -72,7 +72,7 @@ TEST(StartTest, DoesNotServeTheNetworkWithoutATokenOrWithoutAskingForOne) {
     EXPECT_EQ(refusal_of(open), ErrorCode::InvalidArgument);
 }
 
-TEST(StartTest, OnLoopbackNobodyIsAskedWhenToldSo) {
+TEST(StartTest, OnLoopbackNoAuthIsAllowed) {
     ServerConfig config;
     config.no_auth = true;
     TestServer server(config);
@@ -81,7 +81,7 @@ TEST(StartTest, OnLoopbackNobodyIsAskedWhenToldSo) {
 }
 
 // Found by fuzzing: the page asks for one wherever it is served.
-TEST(StartTest, WhereNobodyIsAskedAOneShotTokenIsGivenAllTheSame) {
+TEST(StartTest, WithoutAuthenticationAOneShotTokenIsStillGiven) {
     ServerConfig config;
     config.no_auth = true;
     TestServer server(config);
@@ -136,7 +136,6 @@ std::string leave_pending_dive(const ServerConfig& config,
     return upload.id;
 }
 
-// S12
 TEST(StartTest, MakesPendingDivesOfAKilledServerIfTheirTokensAreValid) {
     const TemporaryFolder data;
     const auto config = config_at(data, "127.0.0.1:0");
@@ -172,7 +171,6 @@ TEST(StartTest, MakesPendingDivesOfAKilledServerIfTheirTokensAreValid) {
     EXPECT_EQ(uploads.get(wrong).end, UploadEnd::Terminated);
 }
 
-// U20
 TEST(StartTest, APendingDiveIsMadeOnceTheQuotaAllowsIt) {
     const TemporaryFolder data;
     auto config = config_at(data, "127.0.0.1:0");

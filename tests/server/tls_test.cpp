@@ -129,7 +129,6 @@ TEST_F(TlsClientTest, UploadsAndWatches) {
     EXPECT_TRUE(events.next(std::chrono::seconds(10)).has_value());
 }
 
-// A5
 TEST_F(TlsClientTest, DownloadsOverTls) {
     const std::string bytes = random_bytes(5'000'000);
     const std::string job = server.make_job("default", "mesh.glb", bytes);
@@ -154,7 +153,6 @@ TEST_F(TlsClientTest, LeavesAServerThatDoesNotProveToBeTheOne) {
     EXPECT_EQ(refusal(no_file), ErrorCode::InvalidArgument);
 }
 
-// S22
 TEST_F(TlsTest, WhoSpeaksNoTlsIsLeftAlone) {
     config.timeouts.header = std::chrono::milliseconds(500);
     TestServer server(config);

@@ -58,7 +58,6 @@ TEST_F(TokenTest, RefusesTokensThatMakeNoSense) {
     EXPECT_EQ(create({{"name", "x"}, {"scopes", {"admin"}}, {"expires_in_s", 1e18}}), 400);
 }
 
-// S24
 TEST_F(TokenTest, AOneShotTokenOpensItsPathOnce) {
     const std::string secret = one_shot(artifact, reader);
     EXPECT_EQ(open("/api/v1/events", secret), 401);
@@ -69,7 +68,6 @@ TEST_F(TokenTest, AOneShotTokenOpensItsPathOnce) {
     EXPECT_EQ(open(artifact, ""), 401);
 }
 
-// S24
 TEST_F(TokenTest, OfManyWhoRaceForAOneShotTokenOneGetsIn) {
     const std::string secret = one_shot(artifact, reader);
     std::atomic<int> let_in = 0;
@@ -81,7 +79,6 @@ TEST_F(TokenTest, OfManyWhoRaceForAOneShotTokenOneGetsIn) {
     EXPECT_EQ(let_in, 1);
 }
 
-// S24
 TEST_F(TokenTest, AOneShotTokenHasNoMoreRightsThanItsMaker) {
     const std::string stranger = server.make_token("wreck", {"dives:read"});
     EXPECT_EQ(open(artifact, one_shot(artifact, stranger)), 404);
@@ -112,7 +109,6 @@ TEST_F(TokenTest, AOneShotTokenIsTooOldAfterAWhile) {
     EXPECT_LE(storage::kOneShotLifetime, 30s);
 }
 
-// S23, S24, A9
 TEST_F(TokenTest, NoSecretReachesTheLog) {
     std::ostringstream log;
     const auto before = spdlog::default_logger();

@@ -4,7 +4,6 @@
 namespace divemesh {
 namespace {
 
-// U2
 TEST_F(TusTest, SaysWhatItSpeaksWithoutTokenOrVersion) {
     for (const char* target : {"/api/v1/uploads", "/api/v1/uploads/any"}) {
         const auto response = server.request("OPTIONS", target, "");
@@ -19,7 +18,6 @@ TEST_F(TusTest, SaysWhatItSpeaksWithoutTokenOrVersion) {
     }
 }
 
-// U1
 TEST_F(TusTest, ProcessesNothingWithoutItsVersion) {
     const auto path = create_upload(server.port(), token, 10);
     for (const auto& [method, target] :
@@ -40,7 +38,6 @@ TEST_F(TusTest, ProcessesNothingWithoutItsVersion) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 0);
 }
 
-// U3
 TEST_F(TusTest, KeepsMetadataByteForByteAndAnswersWhereToGoOn) {
     const std::string metadata =
         "filename " + base64("wreck.zip") + ",other,dive " + base64(std::string(64, 'a'));
@@ -78,7 +75,6 @@ TEST_F(TusTest, AnUploadInPiecesBecomesADiveOfTheSameBytes) {
     EXPECT_EQ(jobs.size(), 2U);
 }
 
-// U8
 TEST_F(TusTest, TakesTheFirstBytesWithTheCreation) {
     const auto part =
         create({{"Upload-Length", "300000"}, {"Content-Type", "application/offset+octet-stream"}},
@@ -93,7 +89,6 @@ TEST_F(TusTest, TakesTheFirstBytesWithTheCreation) {
     EXPECT_EQ(archive_of(whole.header("divemesh-dive")), bytes);
 }
 
-// U4
 TEST_F(TusTest, RefusesAWrongOffsetAndChangesNothing) {
     const auto path = create_upload(server.port(), token, 1000);
     patch(path, 0, std::string(100, 'x'));
@@ -105,7 +100,6 @@ TEST_F(TusTest, RefusesAWrongOffsetAndChangesNothing) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 100);
 }
 
-// U4
 TEST_F(TusTest, RefusesOffsetsAndLengthsThatAreNoNumbers) {
     const auto path = create_upload(server.port(), token, 1000);
     for (const char* offset : {"", "-1", "x", "1.5", "99999999999999999999"}) {
@@ -121,7 +115,6 @@ TEST_F(TusTest, RefusesOffsetsAndLengthsThatAreNoNumbers) {
     EXPECT_EQ(create({{"Upload-Length", "9223372036854775807"}}).status, 413);
 }
 
-// U4
 TEST_F(TusTest, RefusesAnotherContentType) {
     const auto path = create_upload(server.port(), token, 1000);
     for (const char* type : {"application/octet-stream", "text/plain", ""}) {
@@ -134,7 +127,6 @@ TEST_F(TusTest, RefusesAnotherContentType) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 0);
 }
 
-// U4
 TEST_F(TusTest, StoresNothingPastTheLength) {
     const auto path = create_upload(server.port(), token, 100);
     EXPECT_EQ(patch(path, 0, std::string(101, 'x')).status, 413);
@@ -148,7 +140,6 @@ TEST_F(TusTest, StoresNothingPastTheLength) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 100);
 }
 
-// U7
 TEST_F(TusTest, TakesChunkedBodies) {
     const auto path = create_upload(server.port(), token, 10);
     RawClient client(server.port());
@@ -161,7 +152,6 @@ TEST_F(TusTest, TakesChunkedBodies) {
     EXPECT_EQ(response->header("upload-offset"), "7");
 }
 
-// U7
 TEST_F(TusTest, SaysGoOnBeforeTheBodyAndNoBeforeItIsSent) {
     const auto path = create_upload(server.port(), token, 10);
     RawClient willing(server.port());
@@ -178,7 +168,6 @@ TEST_F(TusTest, SaysGoOnBeforeTheBodyAndNoBeforeItIsSent) {
     EXPECT_TRUE(refused.read_available().starts_with("HTTP/1.1 409"));
 }
 
-// U16
 TEST_F(TusTest, ALastRequestThatIsRepeatedDoesNoHarm) {
     const auto path = create_upload(server.port(), token, 300'000, "commit");
     const auto first = patch(path, 0, bytes);
@@ -189,7 +178,6 @@ TEST_F(TusTest, ALastRequestThatIsRepeatedDoesNoHarm) {
     EXPECT_EQ(upload_offset(server.port(), token, path), 300'000);
 }
 
-// S6
 TEST_F(TusTest, RefusesAnArchiveThatIsNotWhatWasStated) {
     const std::string wrong = base64(std::string(64, '0'));
     const auto path = create_upload(server.port(), token, 300'000, "commit,sha256 " + wrong);
@@ -200,7 +188,6 @@ TEST_F(TusTest, RefusesAnArchiveThatIsNotWhatWasStated) {
     EXPECT_EQ(server.request("GET", "/api/v1/dives", token).json()["items"].size(), 0U);
 }
 
-// U12
 TEST_F(TusTest, ForgetsATerminatedUploadAndItsBytes) {
     const auto path = create_upload(server.port(), token, 300'000);
     patch(path, 0, bytes.substr(0, 1000));
@@ -213,7 +200,6 @@ TEST_F(TusTest, ForgetsATerminatedUploadAndItsBytes) {
     EXPECT_EQ(num_staged_files(), 0U);
 }
 
-// U6
 TEST_F(TusTest, TakesAnotherMethodByHeader) {
     const auto path = create_upload(server.port(), token, 10);
     Headers headers = patch_headers(token, 0);
@@ -254,7 +240,6 @@ TEST_F(TusTest, MakesADiveOfAFinishedUploadAndAnswersTheSameWhenAskedAgain) {
     EXPECT_EQ(archive_of(made.json()["id"]), bytes);
 }
 
-// A14
 TEST_F(TusTest, RefusesAnUploadThatTheDiskCannotHold) {
     EXPECT_EQ(create({{"Upload-Length", "4000000000000"}}).status, 507);
 }
@@ -281,7 +266,6 @@ TEST_F(TusTest, AnUploadWhoseDiveWasDeletedIsNoDiveAnyMore) {
     EXPECT_EQ(server.request("GET", "/api/v1/jobs?state=queued", token).json()["items"].size(), 0U);
 }
 
-// S24
 TEST_F(TusTest, AnUploadersPresetNeedsTheScopeOfWhoCommits) {
     const auto path = create_upload(server.port(), token, 300'000, "job c3RhbmRhcmQ=");
     storage::UploadStore uploads(server.catalog());

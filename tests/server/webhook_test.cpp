@@ -239,7 +239,6 @@ TEST_F(WebhookTest, AReceiverThatIsGoneIsNotAskedAgain) {
               true);
 }
 
-// S31
 TEST_F(WebhookTest, FollowsNoRedirect) {
     const Receiver secret(200);
     const Receiver receiver(302, secret.url());
@@ -249,7 +248,7 @@ TEST_F(WebhookTest, FollowsNoRedirect) {
     EXPECT_TRUE(secret.received().empty());
 }
 
-// S31: what an address leads to is looked at each time, whatever was said when it was entered.
+// The address is resolved and checked at each delivery.
 TEST_F(WebhookTest, ReachesNothingThatIsNotAllowed) {
     for (const char* url : {"http://127.0.0.2:9000/",
                             "http://[::1]:9000/",
@@ -270,7 +269,6 @@ TEST_F(WebhookTest, ReachesNothingThatIsNotAllowed) {
     EXPECT_EQ(refused["last_status"], 0);
 }
 
-// S32
 TEST_F(WebhookTest, ShowsItsSecretOnce) {
     const auto webhook = create("https://example.org/");
     const std::string secret = webhook["secret"];

@@ -10,6 +10,7 @@
 #include <set>
 #include <unistd.h>
 
+#include "schemas/file_descriptor.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace divemesh::server {
@@ -67,8 +68,8 @@ TEST(WorkerSupervisorTest, PausesBeforeItStartsAWorkerThatCannotRun) {
 TEST(WorkerSupervisorTest, WorkersInheritNoneOfTheServersDescriptors) {
     const TemporaryFolder folder;
     const auto file = folder / "descriptors";
-    const int descriptor = open((folder / "socket").c_str(), O_RDWR | O_CREAT, 0600);
-    ASSERT_GE(descriptor, 0);
+    const FileDescriptor descriptor(open((folder / "socket").c_str(), O_RDWR | O_CREAT, 0600));
+    ASSERT_TRUE(descriptor.is_open());
     {
         const WorkerSupervisor workers(
             {"/bin/sh",
@@ -79,7 +80,6 @@ TEST(WorkerSupervisorTest, WorkersInheritNoneOfTheServersDescriptors) {
         for (int i = 0; i < 1000 && !std::filesystem::exists(file); ++i)
             std::this_thread::sleep_for(20ms);
     }
-    close(descriptor);
     const std::string listed = read_text(file);
     EXPECT_NE(listed.find("0 -> "), std::string::npos) << listed;
     EXPECT_EQ(listed.find((folder / "socket").string()), std::string::npos) << listed;

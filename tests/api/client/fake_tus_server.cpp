@@ -6,7 +6,6 @@
 #include <poll.h>
 #include <stdexcept>
 #include <sys/socket.h>
-#include <unistd.h>
 
 namespace divemesh {
 namespace {
@@ -36,8 +35,8 @@ FakeTusServer::FakeTusServer() : listener_(::socket(AF_INET, SOCK_STREAM, 0)) {
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     socklen_t size = sizeof address;
     auto* raw = reinterpret_cast<sockaddr*>(&address);
-    if (::bind(listener_, raw, size) != 0 || ::listen(listener_, 8) != 0 ||
-        ::getsockname(listener_, raw, &size) != 0)
+    if (::bind(listener_.get(), raw, size) != 0 || ::listen(listener_.get(), 8) != 0 ||
+        ::getsockname(listener_.get(), raw, &size) != 0)
         throw std::runtime_error("cannot listen on loopback");
     port_ = ntohs(address.sin_port);
     thread_ = std::thread([this] { serve(); });
@@ -46,7 +45,6 @@ FakeTusServer::FakeTusServer() : listener_(::socket(AF_INET, SOCK_STREAM, 0)) {
 FakeTusServer::~FakeTusServer() {
     stop_ = true;
     thread_.join();
-    ::close(listener_);
 }
 
 std::string FakeTusServer::url() const { return "http://127.0.0.1:" + std::to_string(port_); }
@@ -83,11 +81,10 @@ int FakeTusServer::num_created() {
 
 void FakeTusServer::serve() {
     while (!stop_) {
-        pollfd waiting{listener_, POLLIN, 0};
+        pollfd waiting{listener_.get(), POLLIN, 0};
         if (::poll(&waiting, 1, 20) <= 0) continue;
-        const int socket = ::accept(listener_, nullptr, nullptr);
-        serve_connection(socket);
-        ::close(socket);
+        const FileDescriptor socket(::accept(listener_.get(), nullptr, nullptr));
+        serve_connection(socket.get());
     }
 }
 
@@ -101,7 +98,7 @@ void FakeTusServer::serve_connection(int socket) {
         }
         pollfd waiting{socket, POLLIN, 0};
         if (::poll(&waiting, 1, 20) <= 0) {
-            pollfd next{listener_, POLLIN, 0};  // the client has reconnected
+            pollfd next{listener_.get(), POLLIN, 0};  // the client has reconnected
             if (::poll(&next, 1, 0) > 0) return;
             continue;
         }
@@ -171,7 +168,7 @@ bool FakeTusServer::patch(int socket, const std::string& header, std::string& pe
     if (wanted < length) return false;
     if (fault.silent) {
         while (!stop_) {
-            pollfd next{listener_, POLLIN, 0};
+            pollfd next{listener_.get(), POLLIN, 0};
             if (::poll(&next, 1, 20) > 0) return false;
         }
         return false;

@@ -7,6 +7,8 @@
 #include <string>
 #include <thread>
 
+#include "schemas/file_descriptor.hpp"
+
 namespace divemesh {
 
 // A tus server for one upload, on a free port, that produces the faults of a script.
@@ -39,7 +41,7 @@ private:
     bool serve_request(int socket, std::string& pending);
     bool patch(int socket, const std::string& header, std::string& pending);
 
-    int listener_ = -1;
+    FileDescriptor listener_;
     int port_ = 0;
     std::mutex mutex_;
     std::deque<Fault> faults_;

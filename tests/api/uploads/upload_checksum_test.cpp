@@ -14,7 +14,7 @@ bool matches(const std::string& header, std::string_view bytes, std::size_t chun
     return checksum.matches();
 }
 
-// FIPS 180-4 examples ("abc"), tus 1.0's example ("hello world"), RFC 3720 B.4 (32 zeros) (U11).
+// FIPS 180-4 examples ("abc"), tus 1.0's example ("hello world"), RFC 3720 B.4 (32 zeros).
 TEST(UploadChecksumTest, AgreesWithThePublishedDigests) {
     const std::tuple<const char*, std::string> known[] = {
         {"sha1 qZk+NkcGgWq6PiVxeFDCbJzQ2J0=", "abc"},
@@ -30,7 +30,6 @@ TEST(UploadChecksumTest, AgreesWithThePublishedDigests) {
     EXPECT_FALSE(matches("sha1 qZk+NkcGgWq6PiVxeFDCbJzQ2J0=", "abd", 3));
 }
 
-// S14
 TEST(UploadChecksumTest, RefusesOtherAlgorithmsAndLengths) {
     for (const char* header : {"",
                                "sha1",

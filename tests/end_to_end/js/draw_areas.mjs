@@ -1,6 +1,6 @@
 // node draw_areas.mjs PAGE CLICKS: draws on the page of `divemesh measure --draw` as a person would
 // and prints the areas.json that it saves. CLICKS is JSON: [[kind, label, [[x, y], ...]], ...], in
-// pixels of a picture area of 800 x 600.
+// pixels of an image area of 800 x 600.
 import { readFileSync } from 'node:fs';
 import { JSDOM, VirtualConsole } from 'jsdom';
 
@@ -20,12 +20,12 @@ window.URL.createObjectURL = (blob) => {
   return 'blob:saved';
 };
 
-const picture = document.getElementById('picture');
+const image = document.getElementById('image');
 const send = (type, [x, y]) => {
   const event = new window.MouseEvent(type, { bubbles: true });
   Object.defineProperty(event, 'offsetX', { value: x });
   Object.defineProperty(event, 'offsetY', { value: y });
-  picture.dispatchEvent(event);
+  image.dispatchEvent(event);
 };
 for (const [kind, label, points] of JSON.parse(clicks)) {
   document.querySelector(`input[name=kind][value=${kind}]`).click();

@@ -23,7 +23,7 @@ namespace {
 
 struct Looked {
     nlohmann::json report;
-    double distance_m = 0.0;  // that was swum in truth between the first look and the last
+    double distance_m = 0.0;  // that was swum in truth between the first assessment and the last
     double drift_m = 0.0;     // by which the end of the track is off
     double share_of_core = 0.0;
 };
@@ -49,7 +49,7 @@ std::map<std::int64_t, Eigen::Isometry3d> read_truth(const std::filesystem::path
 Looked look_at(const std::string& dive, double begin_s, double seconds) {
     const auto truth = read_truth(shared_data(dive));
     const auto source = replay_dive(shared_data(dive), 1.0);
-    DiveAssessment look(source->dive_root());
+    DiveAssessment assessment(source->dive_root());
     ImageCheck quality;
     const auto begin = Clock::now();
     const auto cpu = std::clock();
@@ -62,41 +62,42 @@ Looked look_at(const std::string& dive, double begin_s, double seconds) {
         const auto now = source->newest_frame();
         const auto before = now ? source->newest_frame(now->timestamp_ns) : now;
         if (!before) continue;
-        const int num_lost = look.odometry() ? look.odometry()->num_lost() : 0;
-        look.look(*before, *now, quality.look(now->left, now->timestamp_ns));
-        if (look.odometry()->num_lost() > num_lost) continue;  // the track waits where it was
+        const int num_lost = assessment.odometry() ? assessment.odometry()->num_lost() : 0;
+        assessment.add(*before, *now, quality.check(now->left, now->timestamp_ns));
+        if (assessment.odometry()->num_lost() > num_lost) continue;  // the track waits where it was
         if (first_ns == 0) first_ns = now->timestamp_ns;
         last_ns = now->timestamp_ns;
     }
     Looked looked;
     looked.share_of_core = static_cast<double>(std::clock() - cpu) / CLOCKS_PER_SEC / seconds;
-    looked.report = look.report();
+    looked.report = assessment.report();
     Eigen::Vector3d p = truth.lower_bound(first_ns)->second.translation();
     for (auto at = truth.lower_bound(first_ns); at != truth.upper_bound(last_ns); ++at) {
         looked.distance_m += (at->second.translation() - p).norm();
         p = at->second.translation();
     }
-    const Eigen::Isometry3d T_imu_cam = look.odometry()->rig().T_imu_cam;
+    const Eigen::Isometry3d T_imu_cam = assessment.odometry()->rig().T_imu_cam;
     const Eigen::Isometry3d T_first_last =
         (truth.lower_bound(first_ns)->second * T_imu_cam).inverse() *
         truth.lower_bound(last_ns)->second * T_imu_cam;
     looked.drift_m =
-        (T_first_last.translation() - look.odometry()->T_first_current().translation()).norm();
+        (T_first_last.translation() - assessment.odometry()->T_first_current().translation())
+            .norm();
     std::cout << dive << " from " << begin_s << " s: " << looked.report.dump() << ", in truth "
               << looked.distance_m << " m, drift " << looked.drift_m << " m; "
               << 100.0 * looked.share_of_core << " % of a core\n";
     return looked;
 }
 
-// How far the track is off, in standard deviations that it says itself; over parts of dives.
-double surprise(const std::string& dive, double seconds, int num_pieces) {
+// Returns the RMS error of the track in standard deviations that it states, over parts of a dive.
+double surprise(const std::string& dive, double seconds, int num_parts) {
     double sum = 0.0;
-    for (int i = 0; i < num_pieces; ++i) {
+    for (int i = 0; i < num_parts; ++i) {
         const Looked looked = look_at(dive, i * seconds, seconds);
         const double off = looked.drift_m / looked.report["expected_drift_m"].get<double>();
         sum += off * off;
     }
-    return std::sqrt(sum / num_pieces);
+    return std::sqrt(sum / num_parts);
 }
 
 class DiveAssessmentTest : public testing::TestWithParam<std::string> {};
@@ -133,12 +134,12 @@ TEST(DiveAssessmentOfImagesTest, CountsFeaturesWithoutACalibration) {
     dive.add_frame();
     DiveTail tail(folder.path());
     tail.update(std::numeric_limits<std::int64_t>::max());
-    DiveAssessment look(tail.root());
-    EXPECT_TRUE(look.report().is_null());
+    DiveAssessment assessment(tail.root());
+    EXPECT_TRUE(assessment.report().is_null());
     const auto frame = tail.newest_frame();
-    look.look(*frame, *frame, ImageCheck().look(frame->left, frame->timestamp_ns));
-    EXPECT_GT(look.report()["features"].get<int>(), 5);
-    EXPECT_FALSE(look.report().contains("distance_m"));
+    assessment.add(*frame, *frame, ImageCheck().check(frame->left, frame->timestamp_ns));
+    EXPECT_GT(assessment.report()["features"].get<int>(), 5);
+    EXPECT_FALSE(assessment.report().contains("distance_m"));
 }
 
 }  // namespace

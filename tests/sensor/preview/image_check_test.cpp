@@ -100,8 +100,8 @@ TEST_P(ImageCheckOfDiveTest, TellsRepeatedImagesFromNewOnes) {
     ImageCheck moving;
     ImageCheck frozen;
     for (std::size_t i = 0; i < std::min<std::size_t>(images_.size(), 20); ++i) {
-        moving.look(images_[i], static_cast<std::int64_t>(i));
-        frozen.look(images_[0], static_cast<std::int64_t>(i));
+        moving.check(images_[i], static_cast<std::int64_t>(i));
+        frozen.check(images_[0], static_cast<std::int64_t>(i));
     }
     EXPECT_EQ(moving.shares()->frozen, 0.0);
     EXPECT_GE(frozen.shares()->frozen, 0.9);
@@ -123,8 +123,8 @@ TEST(ImageCheckTest, SaysNothingOfFocusWhereThereIsNothingToSee) {
 TEST(ImageCheckTest, CountsAFrameOnce) {
     ImageCheck check;
     const cv::Mat image(480, 640, CV_8U, cv::Scalar(90));
-    check.look(image, 7);
-    check.look(image, 7);
+    check.check(image, 7);
+    check.check(image, 7);
     EXPECT_EQ(check.shares()->frozen, 0.0);
 }
 

@@ -66,7 +66,7 @@ TEST_F(WatchTest, LeavesHalfALineAndHalfAnImageForLater) {
     EXPECT_EQ(look().counts.num_frames, 1);
     dive.write("cam0", dive.row().substr(12));
     dive.write("cam1", dive.row());
-    dive.write_image("cam0", "\x89PNG\r\n\x1a\n half a picture");
+    dive.write_image("cam0", "\x89PNG\r\n\x1a\n half an image");
     EXPECT_EQ(look().counts.num_frames, 2);
     ASSERT_TRUE(source_->newest_frame());
     EXPECT_EQ(source_->newest_frame()->timestamp_ns, whole);

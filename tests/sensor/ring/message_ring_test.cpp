@@ -105,8 +105,8 @@ TEST_F(MessageRingTest, PowerLossAtAnyPointLosesTheLastMessageAtMost) {
     EXPECT_EQ(waiting_in(ring), Names{});
 }
 
-// Whatever byte the disk changes: one message at most is gone, and it is told unless it was the
-// last word of its boot, which nothing tells from a torn one.
+// For every damaged byte, at most one message is lost. The loss is reported, except for the last
+// record of a boot, which looks like a torn write.
 TEST_F(MessageRingTest, LosesOneMessageAtMostToAFlippedByteAndTellsIt) {
     {
         MessageRing ring(folder_ / "ring", kRoom, "one");

@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-namespace divemesh::api {
+namespace divemesh::api::client {
 
 // Max bytes of one read. Beast reads into the free room of its buffer; for a buffer without room it
 // reads 512 bytes.
@@ -84,4 +84,4 @@ void async_teardown(boost::beast::role_type role, Stream& stream, Handler&& hand
         async_teardown(role, stream.next_layer(), std::forward<Handler>(handler));
 }
 
-}  // namespace divemesh::api
+}  // namespace divemesh::api::client

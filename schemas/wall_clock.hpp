@@ -3,13 +3,13 @@
 #include <chrono>
 #include <cstdint>
 
-namespace divemesh::api {
+namespace divemesh {
 
-// Returns this machine's clock in unix milliseconds.
-inline std::int64_t now_ms() {
+// Returns unix milliseconds by this machine's clock, which may be wrong.
+inline std::int64_t wall_time_ms() {
     return std::chrono::duration_cast<std::chrono::milliseconds>(
                std::chrono::system_clock::now().time_since_epoch())
         .count();
 }
 
-}  // namespace divemesh::api
+}  // namespace divemesh
