@@ -78,9 +78,8 @@ Eigen::Vector2d undistort(const types::Camera& camera, const Eigen::Vector2d& pi
                             (pixel.y() - camera.cy_px) / camera.fy_px);
     if (is_fisheye(camera)) {
         const double distance = d.norm();
-        if (distance < 1e-12) return d;
         const double angle = equidistant_angle_at(camera.distortion_coefficients, distance);
-        return std::tan(angle) / distance * d;
+        return (distance < 1e-12 ? 1.0 : std::tan(angle) / distance) * d;
     }
     // Starts at the distorted point, then Newton with a numeric Jacobian: converges wherever the
     // model is invertible.

@@ -74,6 +74,7 @@ std::vector<View> views_of(const std::vector<dive::Mark>& marks,
 
 std::vector<base::Ray> rays_of(const std::vector<View>& views) {
     std::vector<base::Ray> rays;
+    rays.reserve(views.size());
     for (const View& view : views)
         rays.push_back({view.T_world_cam.translation(),
                         view.T_world_cam.linear() * camera::unproject(view.camera, view.pixel)});
