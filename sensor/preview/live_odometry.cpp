@@ -67,10 +67,11 @@ void LiveOdometry::add(const types::StereoFrame& before, const types::StereoFram
         return;
     }
     const Eigen::Isometry3d& T_current_previous = refined.T_current_previous;
-    const Motion motion{now.timestamp_ns,
-                        vector_of(T_current_previous) / interval_s,
-                        odometry::motion_covariance(rig, found.inliers, T_current_previous) /
-                            (interval_s * interval_s)};
+    const Motion motion{
+        now.timestamp_ns,
+        vector_of(T_current_previous) / interval_s,
+        odometry::motion_covariance(rig, found.inliers, {T_current_previous, {}, 0.0}) /
+            (interval_s * interval_s)};
     if (motion_ && motion_->timestamp_ns < motion.timestamp_ns) advance(*motion_, motion);
     motion_before_ = motion_;
     motion_ = motion;

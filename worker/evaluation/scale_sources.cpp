@@ -5,6 +5,8 @@
 #include <numbers>
 
 #include "worker/base/text.hpp"
+#include "worker/evaluation/imu_check.hpp"
+#include "worker/imu/preintegration.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 
 namespace divemesh::evaluation {
@@ -13,6 +15,8 @@ namespace {
 // Beyond it a check is not informative: path and sensor err by as much for reasons of their own.
 constexpr double kMaxSigma = 0.05;
 constexpr double kAccelerometerScaleSigma = 0.003;  // of the sensor itself
+// By which a usual bias (0.1 m/s^2) changes the gravity that an accelerometer measures.
+constexpr double kGravityByBias = 0.01;
 // Recorders turn pressure into depth with the density that they are set to: fresh and sea water
 // differ by 2.5 to 3 %.
 constexpr double kPressureScaleSigma = 0.025;
@@ -24,6 +28,16 @@ PathError path_error(const types::Trajectory& trajectory, const types::PathUncer
     for (const types::StampedPose& pose : trajectory) box.extend(pose.T_world_imu.translation());
     return {std::numbers::sqrt2 * optimisation::shared_sigma_m(path),
             box.isEmpty() ? 0.0 : box.diagonal().norm()};
+}
+
+// Returns the error of the accelerometer's own scale. Where its gravity is wrong by more than a
+// bias explains, its scale may be as wrong: its units, range or supply are not as calibrated.
+double accelerometer_sigma(const std::vector<types::ImuSample>& imu,
+                           const types::Trajectory& trajectory) {
+    const auto gravity = check_gravity(imu, trajectory);
+    if (!gravity) return kAccelerometerScaleSigma;
+    const double wrong = std::abs(gravity->magnitude_m_s2 / imu::kGravity_m_s2 - 1.0);
+    return std::hypot(kAccelerometerScaleSigma, std::max(0.0, wrong - kGravityByBias));
 }
 
 std::optional<ScaleCheck> by_known_distances(const LengthData& lengths, const PathError& path) {
@@ -76,7 +90,7 @@ ScaleSources scale_sources(const LengthData& lengths,
     } else {
         collector.add("accelerometer",
                       scale_by_accelerometer(lengths.imu, trajectory),
-                      kAccelerometerScaleSigma,
+                      accelerometer_sigma(lengths.imu, trajectory),
                       lengths.imu.empty() ? "the dive has no IMU, or its accelerometer is not used"
                                           : "the IMU covers too little of the dive without a gap");
         collector.add(

@@ -39,6 +39,16 @@ struct State {
     Eigen::Vector3d bias = Eigen::Vector3d::Zero();
 };
 
+// Returns the mean squared distance from the mean.
+double variance(const std::vector<Eigen::Vector3d>& vectors) {
+    const auto num = static_cast<double>(vectors.size());
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& vector : vectors) mean += vector / num;
+    double sum = 0.0;
+    for (const Eigen::Vector3d& vector : vectors) sum += (vector - mean).squaredNorm();
+    return sum / num;
+}
+
 class Fit {
 public:
     Fit(const GyroscopePath& path, const std::vector<VisionRotation>& rotations) : path_(path) {
@@ -58,16 +68,17 @@ public:
         return sum;
     }
 
-    // Returns the energy of the gyroscope's rotations about their mean over that of the residuals.
+    // Returns the energy of the rotations about their mean over that of the residuals, of the one
+    // of gyroscope and vision that has less: what the other has more is noise.
     double signal_to_noise(const State& state) const {
-        Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-        for (const TimedRotation& rotation : rotations_)
-            mean += gyroscope(rotation, state.offset_s) / static_cast<double>(rotations_.size());
-        double signal = 0.0;
-        for (const TimedRotation& rotation : rotations_)
-            signal += (gyroscope(rotation, state.offset_s) - mean).squaredNorm();
+        std::vector<Eigen::Vector3d> by_gyroscope;
+        std::vector<Eigen::Vector3d> by_vision;
+        for (const TimedRotation& rotation : rotations_) {
+            by_gyroscope.push_back(gyroscope(rotation, state.offset_s));
+            by_vision.push_back(rotation.vector);
+        }
         const double sigma = scale(state);
-        return signal / (3.0 * sigma * sigma * static_cast<double>(rotations_.size()));
+        return std::min(variance(by_gyroscope), variance(by_vision)) / (3.0 * sigma * sigma);
     }
 
     // Does one Gauss-Newton step and returns the covariance. The time offset changes only if

@@ -5,6 +5,7 @@
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
+#include "worker/imu/measured_noise.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::imu {
@@ -83,7 +84,8 @@ InertialPrior::InertialPrior(const types::Recording& recording,
       accelerometer_(gyroscope_ && !left_out.accelerometer && measures_gravity(imu_)),
       ahrs_(options.use_ahrs && !orientations_.empty()),
       pressure_(options.use_pressure && !left_out.pressure && !recording.pressure().empty()),
-      noise_(inflated(recording.rig().imu_noise.value_or(types::ImuNoise{}))) {}
+      noise_(at_least_measured(imu_,
+                               inflated(recording.rig().imu_noise.value_or(types::ImuNoise{})))) {}
 
 void InertialPrior::align(const types::ImuAlignment& alignment) {
     imu_ = aligned(rates_, alignment);

@@ -86,7 +86,8 @@ public:
                             const Eigen::Quaterniond& seen);
     void set_bias(const ImuBias& bias, double gyroscope_sigma);
     const ImuBias& bias() const { return bias_; }
-    // Returns the noise on a diver: white noise larger than the data sheet's.
+    // Returns the noise on a diver: white noise larger than the data sheet's, and at least what the
+    // samples show.
     const types::ImuNoise& noise() const { return noise_; }
 
 private:

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "worker/base/angle.hpp"
@@ -22,8 +23,12 @@ constexpr std::size_t kMaxSpans = 40;  // what is wrong for twelve seconds is fo
 // A far offset has a hundred chances to fit by accident, so it needs ten seconds.
 constexpr std::size_t kMinSpansToShift = 32;
 constexpr double kMinCovered = 0.6;  // share of the spans that samples cover
+constexpr std::size_t kMinSpansToTellBias = 8;
+// Data sheets of the cheapest gyroscopes allow 0.35 rad/s.
+constexpr double kImpossibleBias_rad_s = 0.5;
 constexpr double kStep_s = 0.02;
 constexpr double kFineStep_s = 0.002;    // around the best far offset
+constexpr double kBeyond_s = 0.1;        // searched beyond the near offsets at first
 constexpr double kMinRate_rad_s = 0.02;  // RMS; below this noise dominates
 constexpr double kNoise_rad_s = 0.008;   // of vision over a span, at worst
 constexpr double kFits = 0.1;            // unexplained shares
@@ -246,7 +251,36 @@ void explain(const GyroscopePath& path,
     judgement.scale = near.scale;
 }
 
+// Returns the difference of both rates, without any alignment, if in no span it is less than a
+// gyroscope's bias can be.
+std::optional<double> impossible_bias_rad_s(const GyroscopePath& path,
+                                            const std::vector<RotationSpan>& spans) {
+    if (spans.size() < kMinSpansToTellBias) return std::nullopt;
+    double smallest_rad_s = std::numeric_limits<double>::infinity();
+    for (const RotationSpan& span : spans) {
+        if (!path.covers(span.from_ns, span.to_ns)) return std::nullopt;
+        const Eigen::Vector3d rate =
+            path.rotation(span.from_ns, span.to_ns) / base::to_s(span.to_ns - span.from_ns);
+        smallest_rad_s = std::min(smallest_rad_s, (rate - span.rate_body).norm());
+    }
+    return smallest_rad_s > kImpossibleBias_rad_s ? std::optional(smallest_rad_s) : std::nullopt;
+}
+
 bool is_at_edge(const Fit& near) { return std::abs(near.offset_s) > kNearOffset_s - 0.5 * kStep_s; }
+
+// Returns the best fit beyond the end of the near offsets at which the best near one lies; nullopt
+// if it does not lie within what is searched. So few offsets fit by accident no sooner than the
+// near ones.
+std::optional<Fit> fit_beyond(const GyroscopePath& path,
+                              const std::vector<RotationSpan>& spans,
+                              const Fit& near) {
+    const auto coarse =
+        best_fit(path, spans, {near.offset_s, kBeyond_s, kStep_s}, Eigen::Matrix3d::Identity());
+    if (!coarse || std::abs(coarse->offset_s - near.offset_s) > kBeyond_s - 0.5 * kStep_s)
+        return std::nullopt;
+    return best_fit(
+        path, spans, {coarse->offset_s, kStep_s, kFineStep_s}, Eigen::Matrix3d::Identity());
+}
 
 // Returns the best fit among all offsets. Returns nullopt if it lies at an end of them, because the
 // minimum may lie beyond.
@@ -280,12 +314,20 @@ void RotationSpans::add(const VisionRotation& rotation) {
 GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
                                    const std::vector<RotationSpan>& spans) {
     GyroscopeJudgement judgement;
-    if (spans.size() < kMinSpans) return judgement;
+    if (spans.empty()) return judgement;
     const std::vector<RotationSpan> last(
         spans.end() - static_cast<std::ptrdiff_t>(std::min(spans.size(), kMaxSpans)), spans.end());
     const std::int64_t reach_ns = base::to_ns(kMaxOffset_s + kStep_s);
     const GyroscopePath path(
         samples, last.front().from_ns - reach_ns, last.back().to_ns + reach_ns);
+    if (const auto bias_rad_s = impossible_bias_rad_s(path, last)) {
+        judgement.fit = GyroscopeFit::Contradicts;
+        judgement.unexplained_share = 1.0;
+        judgement.fault = GyroscopeFault::Biased;
+        judgement.bias_rad_s = *bias_rad_s;
+        return judgement;
+    }
+    if (last.size() < kMinSpans) return judgement;
     const Eigen::Matrix3d as_mounted = Eigen::Matrix3d::Identity();
     const auto near = best_fit(path, last, {}, as_mounted);
     if (!near || near->rate_rad_s < kMinRate_rad_s) return judgement;
@@ -295,6 +337,12 @@ GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
         judgement.fit = GyroscopeFit::Fits;
         return judgement;
     }
+    if (near->unexplained < kFits)
+        if (const auto beyond = fit_beyond(path, last, *near)) {
+            judgement.fit = GyroscopeFit::FitsShifted;
+            judgement.time_offset_s = beyond->offset_s;
+            return judgement;
+        }
     if (last.size() < kMinSpansToShift) return judgement;
     const auto far = far_fit(path, last);
     if (far && far->unexplained < kFits &&

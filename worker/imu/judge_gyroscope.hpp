@@ -45,6 +45,7 @@ enum class GyroscopeFault {
     Mirrored,     // `axes`
     Rotated,      // `axes`: not mounted as T_BS says
     Scaled,       // `scale`: units, range or rows that are missing
+    Biased,       // `bias_rad_s`: more than any gyroscope has; units, or a broken sensor
 };
 
 struct GyroscopeJudgement {
@@ -55,6 +56,7 @@ struct GyroscopeJudgement {
     GyroscopeFault fault = GyroscopeFault::None;
     std::string axes;    // "z", "x and y"
     double scale = 1.0;  // gyroscope over vision
+    double bias_rad_s = 0.0;
 };
 
 constexpr double kNearOffset_s = 0.06;  // estimate_alignment() finds such an offset
@@ -69,7 +71,8 @@ constexpr double kMaxOffset_s = 1.0;
 // with Huber weights, at the time offset where it is smallest. R is the rotation within 20 degrees
 // that fits best (Kabsch, "A solution for the best rotation to relate two sets of vectors", 1976,
 // with a prior at no rotation); an axis about which neither rotates counts as explained. `samples`
-// are on the cameras' clock and in the body frame as far as both are known.
+// are on the cameras' clock and in the body frame as far as both are known. A bias beyond that of
+// any gyroscope contradicts after three seconds, all else after five or ten.
 GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
                                    const std::vector<RotationSpan>& spans);
 

@@ -9,7 +9,7 @@
 namespace divemesh::imu {
 namespace {
 
-constexpr std::size_t kFirstJudgement = 16;  // spans
+constexpr std::size_t kFirstJudgement = 8;  // spans
 constexpr std::size_t kJudgementStep = 4;
 // The watch notices a fault only after this many wrong spans.
 constexpr std::size_t kUnnoticed = 8;

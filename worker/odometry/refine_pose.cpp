@@ -167,8 +167,8 @@ RefinedPose refine_pose(const types::RectifiedRig& rig,
 
 Matrix6d motion_covariance(const types::RectifiedRig& rig,
                            const PointPairs& pairs,
-                           const Eigen::Isometry3d& T_current_previous) {
-    return linearise(rig, pairs, std::nullopt, T_current_previous)
+                           const MotionGuess& motion) {
+    return linearise(rig, pairs, motion.rotation, motion.T_current_previous)
         .H.ldlt()
         .solve(Matrix6d::Identity());
 }

@@ -26,7 +26,7 @@ RefinedPose refine_pose(const types::RectifiedRig& rig,
 // rotation vector (rad), then translation (m), of R <- exp(w) R, T <- T + t.
 Eigen::Matrix<double, 6, 6> motion_covariance(const types::RectifiedRig& rig,
                                               const PointPairs& pairs,
-                                              const Eigen::Isometry3d& T_current_previous);
+                                              const MotionGuess& motion);
 
 // Returns the standard deviation of a motion found by refine_pose in the direction that the pairs
 // and the known rotation constrain least, in rad. Translations count as angles at the pairs' median

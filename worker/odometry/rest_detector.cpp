@@ -109,7 +109,8 @@ std::optional<Eigen::Isometry3d> RestDetector::significant_motion(const PointPai
     const Eigen::Vector3d moved = T_cam_anchor.translation();
     Eigen::Matrix<double, 6, 1> motion;
     motion << turned, moved;
-    const Eigen::Matrix<double, 6, 6> covariance = motion_covariance(rig_, pairs, T_cam_anchor);
+    const Eigen::Matrix<double, 6, 6> covariance =
+        motion_covariance(rig_, pairs, {T_cam_anchor, std::nullopt, 0.0});
     const double noise = noise_of(rig_, pairs, T_cam_anchor);
     sigma_rad_ = noise * largest_sigma(covariance.topLeftCorner<3, 3>());
     sigma_m_ = noise * largest_sigma(covariance.bottomRightCorner<3, 3>());

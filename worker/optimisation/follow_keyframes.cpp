@@ -3,42 +3,29 @@
 #include <algorithm>
 #include <iterator>
 
+#include "worker/optimisation/motion_variances.hpp"
+#include "worker/stats/ratio.hpp"
+
 namespace divemesh::optimisation {
 namespace {
 
-Eigen::Isometry3d blend(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b, double share) {
+// Returns the pose between `a` and `b` whose error from `a` on has the variance `done` of `whole`.
+Eigen::Isometry3d blend(const Eigen::Isometry3d& a,
+                        const Eigen::Isometry3d& b,
+                        const MotionVariance& done,
+                        const MotionVariance& whole) {
+    const double turned = stats::ratio(done.rotation_rad2, whole.rotation_rad2);
+    const double moved = stats::ratio(done.position_m2, whole.position_m2);
     Eigen::Isometry3d result = Eigen::Isometry3d::Identity();
     result.linear() = Eigen::Quaterniond(a.linear())
-                          .slerp(share, Eigen::Quaterniond(b.linear()))
+                          .slerp(turned, Eigen::Quaterniond(b.linear()))
                           .normalized()
                           .toRotationMatrix();
-    result.translation() = (1.0 - share) * a.translation() + share * b.translation();
+    result.translation() = (1.0 - moved) * a.translation() + moved * b.translation();
     return result;
 }
 
-// Returns for each frame from `from` to `to` the share of the odometry's error that it has: that of
-// the time in which the odometry moves.
-std::vector<double> shares_of_error(const types::Trajectory& odometry,
-                                    std::size_t from,
-                                    std::size_t to) {
-    std::vector<double> shares = {0.0};
-    double moving_ns = 0.0;
-    for (std::size_t i = from + 1; i <= to; ++i) {
-        if (moves_to(odometry, i))
-            moving_ns +=
-                static_cast<double>(odometry[i].timestamp_ns - odometry[i - 1].timestamp_ns);
-        shares.push_back(moving_ns);
-    }
-    for (double& share : shares) share = moving_ns > 0.0 ? share / moving_ns : 0.0;
-    return shares;
-}
-
 }  // namespace
-
-bool moves_to(const types::Trajectory& odometry, std::size_t frame) {
-    constexpr double kRounding = 1e-9;  // of a pose
-    return !odometry[frame].T_world_imu.isApprox(odometry[frame - 1].T_world_imu, kRounding);
-}
 
 std::size_t frame_at(const types::Trajectory& frames, std::int64_t timestamp_ns) {
     const auto found = std::lower_bound(
@@ -64,6 +51,7 @@ Ties ties_between(const types::Trajectory& odometry,
 }
 
 types::Trajectory follow_keyframes(const types::Trajectory& odometry,
+                                   const std::vector<types::MotionSigma>& sigmas,
                                    const std::vector<types::Keyframe>& keyframes,
                                    const Eigen::Isometry3d& T_imu_cam,
                                    const types::Breaks& breaks_ns) {
@@ -76,8 +64,8 @@ types::Trajectory follow_keyframes(const types::Trajectory& odometry,
             last ? odometry.size() : frame_at(odometry, keyframes[k + 1].timestamp_ns);
         const Ties ties = ties_between(odometry, breaks_ns, from, to);
         const Eigen::Isometry3d T_world_from = keyframes[k].T_world_cam * T_imu_cam.inverse();
-        const std::vector<double> shares =
-            last ? std::vector<double>() : shares_of_error(odometry, from, to);
+        const std::vector<MotionVariance> errors =
+            last ? std::vector<MotionVariance>() : summed_variances(sigmas, from, to);
         for (std::size_t i = k == 0 ? 0 : from; i < to; ++i) {
             const Eigen::Isometry3d forward =
                 T_world_from * odometry[from].T_world_imu.inverse() * odometry[i].T_world_imu;
@@ -89,7 +77,7 @@ types::Trajectory follow_keyframes(const types::Trajectory& odometry,
                                                odometry[to].T_world_imu.inverse() *
                                                odometry[i].T_world_imu;
             result[i].T_world_imu =
-                tied_to_next ? backward : blend(forward, backward, shares[i - from]);
+                tied_to_next ? backward : blend(forward, backward, errors[i - from], errors.back());
         }
     }
     return result;

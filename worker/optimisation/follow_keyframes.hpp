@@ -6,16 +6,13 @@
 
 #include "worker/types/breaks.hpp"
 #include "worker/types/keyframe.hpp"
+#include "worker/types/motion_sigma.hpp"
 #include "worker/types/recording.hpp"
 
 namespace divemesh::optimisation {
 
 // Returns the index of the frame with this timestamp.
 std::size_t frame_at(const types::Trajectory& frames, std::int64_t timestamp_ns);
-
-// Returns true if the odometry moves in the step to a frame (not the first). Where the rig is known
-// to rest, the odometry repeats the pose exactly and has no error.
-bool moves_to(const types::Trajectory& odometry, std::size_t frame);
 
 // The frames of an interval that measured motions tie to the keyframe at its start (those before
 // `end_of_first`) and to the one at its end (those from `begin_of_second` on). Without a break both
@@ -41,10 +38,12 @@ std::vector<types::Keyframe> posed_by(const types::Trajectory& trajectory,
 
 // Returns the poses of all frames, given those of the keyframes. Between two keyframes a frame
 // moves as in `odometry` (T_start_imu), and the odometry's error from one keyframe to the next is
-// distributed over the frames by the time in which it moves. Where a motion between the two was not
-// measured (`breaks_ns`), the frames before it follow the first keyframe alone, and those after it
-// the second. After the last keyframe of a segment frames follow the odometry alone.
+// distributed over its steps by their variances: `sigmas`, of the step to each frame. Where a
+// motion between the two was not measured (`breaks_ns`), the frames before it follow the first
+// keyframe alone, and those after it the second. After the last keyframe of a segment frames follow
+// the odometry alone.
 types::Trajectory follow_keyframes(const types::Trajectory& odometry,
+                                   const std::vector<types::MotionSigma>& sigmas,
                                    const std::vector<types::Keyframe>& keyframes,
                                    const Eigen::Isometry3d& T_imu_cam,
                                    const types::Breaks& breaks_ns = {});

@@ -6,7 +6,9 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/optimisation/covariance_between.hpp"
 #include "worker/optimisation/follow_keyframes.hpp"
+#include "worker/optimisation/motion_variances.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/ratio.hpp"
 #include "worker/stats/robust.hpp"
 
 namespace divemesh::optimisation {
@@ -14,33 +16,16 @@ namespace {
 
 constexpr double kMedianOfThree = stats::kMedianNormOfThree * stats::kMedianNormOfThree;
 
-// Variances per axis.
-struct Variance {
-    double position_m2 = 0.0;
-    double rotation_rad2 = 0.0;
-};
-
 // The frames from one keyframe to the next, and the odometry's error over them.
 struct Interval {
     std::size_t from = 0;
     std::size_t to = 0;
-    Variance missed;
-    std::vector<double> steps;  // in which the odometry moves, from `from` up to each frame
-
-    double num_steps() const { return std::max(1.0, steps.back()); }
+    MotionVariance missed;
+    std::vector<MotionVariance> stated;  // of the odometry, from `from` up to each frame
 };
 
-// Returns the number of steps in which the odometry moves, from one frame up to each later one.
-std::vector<double> moving_steps(const types::Trajectory& odometry,
-                                 std::size_t from,
-                                 std::size_t to) {
-    std::vector<double> steps = {0.0};
-    for (std::size_t i = from + 1; i <= to; ++i)
-        steps.push_back(steps.back() + (moves_to(odometry, i) ? 1.0 : 0.0));
-    return steps;
-}
-
 std::vector<Interval> intervals(const types::Trajectory& odometry,
+                                const std::vector<types::MotionSigma>& sigmas,
                                 const std::vector<types::Keyframe>& keyframes,
                                 const Eigen::Isometry3d& T_imu_cam) {
     std::vector<Interval> result;
@@ -50,7 +35,7 @@ std::vector<Interval> intervals(const types::Trajectory& odometry,
                           frame_at(odometry, keyframes[k].timestamp_ns),
                           {},
                           {}};
-        interval.steps = moving_steps(odometry, interval.from, interval.to);
+        interval.stated = summed_variances(sigmas, interval.from, interval.to);
         const Eigen::Isometry3d T_cam_imu = T_imu_cam.inverse();
         const Eigen::Isometry3d T_from_to = (keyframes[k - 1].T_world_cam * T_cam_imu).inverse() *
                                             (keyframes[k].T_world_cam * T_cam_imu);
@@ -64,22 +49,44 @@ std::vector<Interval> intervals(const types::Trajectory& odometry,
     return result;
 }
 
-// Returns the variance of one step from frame to frame.
-Variance step_variance(const std::vector<Interval>& intervals) {
-    const auto typical = [&](double Variance::*part) {
+// Returns by how much the odometry's errors exceed the variances that it states.
+MotionVariance excess(const std::vector<Interval>& intervals) {
+    const auto typical = [&](double MotionVariance::*part) {
         std::vector<double> values;
         values.reserve(intervals.size());
         for (const Interval& interval : intervals)
-            values.push_back(interval.missed.*part / interval.num_steps());
+            values.push_back(stats::ratio(interval.missed.*part, interval.stated.back().*part));
         return stats::upper_median(std::move(values)) * 3.0 / kMedianOfThree;
     };
-    return {typical(&Variance::position_m2), typical(&Variance::rotation_rad2)};
+    return {typical(&MotionVariance::position_m2), typical(&MotionVariance::rotation_rad2)};
+}
+
+MotionVariance scaled(const MotionVariance& times, const MotionVariance& of) {
+    return {times.position_m2 * of.position_m2, times.rotation_rad2 * of.rotation_rad2};
+}
+
+MotionVariance difference(const MotionVariance& a, const MotionVariance& b) {
+    return {a.position_m2 - b.position_m2, a.rotation_rad2 - b.rotation_rad2};
+}
+
+// Returns the variance of a Brownian bridge over an error of variance `whole`, where the steps have
+// done `done` of `stated`.
+MotionVariance of_bridge(const MotionVariance& whole,
+                         const MotionVariance& done,
+                         const MotionVariance& stated) {
+    const auto at = [](double variance, double part, double sum) {
+        const double share = stats::ratio(part, sum);
+        return variance * share * (1.0 - share);
+    };
+    return {at(whole.position_m2, done.position_m2, stated.position_m2),
+            at(whole.rotation_rad2, done.rotation_rad2, stated.rotation_rad2)};
 }
 
 }  // namespace
 
 types::CovarianceTrack covariances_at(const types::CovarianceTrack& covariances,
                                       const types::Trajectory& odometry,
+                                      const std::vector<types::MotionSigma>& sigmas,
                                       const std::vector<types::Keyframe>& keyframes,
                                       const Eigen::Isometry3d& T_imu_cam,
                                       const types::Breaks& breaks_ns) {
@@ -87,30 +94,31 @@ types::CovarianceTrack covariances_at(const types::CovarianceTrack& covariances,
     if (covariances.empty()) return result;
     for (const types::StampedPose& frame : odometry)
         result.push_back(covariance_between(covariances, frame.timestamp_ns));
-    const auto add = [&](std::size_t frame, const Variance& variance, double times) {
-        result[frame].position_m2.diagonal().array() += times * variance.position_m2;
-        result[frame].rotation_rad2.diagonal().array() += times * variance.rotation_rad2;
+    const auto add = [&](std::size_t frame, const MotionVariance& variance) {
+        result[frame].position_m2.diagonal().array() += variance.position_m2;
+        result[frame].rotation_rad2.diagonal().array() += variance.rotation_rad2;
     };
-    const auto tied = intervals(odometry, keyframes, T_imu_cam);
-    const Variance step = step_variance(tied);
+    const auto tied = intervals(odometry, sigmas, keyframes, T_imu_cam);
+    const MotionVariance times = excess(tied);
     for (const Interval& interval : tied) {
-        const double num = interval.num_steps();
+        const MotionVariance& stated = interval.stated.back();
         const Ties ties = ties_between(odometry, breaks_ns, interval.from, interval.to);
-        const Variance whole{std::max(num * step.position_m2, interval.missed.position_m2),
-                             std::max(num * step.rotation_rad2, interval.missed.rotation_rad2)};
+        const MotionVariance whole{
+            std::max(times.position_m2 * stated.position_m2, interval.missed.position_m2),
+            std::max(times.rotation_rad2 * stated.rotation_rad2, interval.missed.rotation_rad2)};
         for (std::size_t i = interval.from + 1; i < interval.to; ++i) {
-            if (ties.broken && (i < ties.end_of_first || i >= ties.begin_of_second)) {
-                const double done = interval.steps[i - interval.from];
-                add(i, step, i < ties.end_of_first ? done : interval.steps.back() - done);
-                continue;
-            }
-            const double share = interval.steps[i - interval.from] / num;
-            add(i, whole, share * (1.0 - share));
+            const MotionVariance& done = interval.stated[i - interval.from];
+            if (ties.broken && i < ties.end_of_first)
+                add(i, scaled(times, done));
+            else if (ties.broken && i >= ties.begin_of_second)
+                add(i, scaled(times, difference(stated, done)));
+            else
+                add(i, of_bridge(whole, done, stated));
         }
     }
     const std::size_t last = frame_at(odometry, keyframes.back().timestamp_ns);
-    for (std::size_t i = last; i < odometry.size(); ++i)
-        add(i, step, static_cast<double>(i - last));
+    const auto after = summed_variances(sigmas, last, odometry.size() - 1);
+    for (std::size_t i = last; i < odometry.size(); ++i) add(i, scaled(times, after[i - last]));
     return result;
 }
 

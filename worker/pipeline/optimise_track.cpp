@@ -222,10 +222,11 @@ void TrackOptimiser::take(types::Track& closed,
     result_.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
     loops::separate_segments(kReach * track_.statistics.median_depth_m, closed.keyframes);
     result_.trajectory = optimisation::follow_keyframes(
-        closed.odometry, closed.keyframes, closed.rig.T_imu_cam, track_.breaks_ns);
+        closed.odometry, track_.sigmas, closed.keyframes, closed.rig.T_imu_cam, track_.breaks_ns);
     result_.breaks_ns = track_.breaks_ns;
     result_.covariances = optimisation::covariances_at(adjusted.covariances,
                                                        closed.odometry,
+                                                       track_.sigmas,
                                                        closed.keyframes,
                                                        closed.rig.T_imu_cam,
                                                        track_.breaks_ns);

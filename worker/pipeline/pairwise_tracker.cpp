@@ -2,10 +2,12 @@
 
 #include <utility>
 
+#include "worker/base/seconds.hpp"
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/predict_orientation.hpp"
 #include "worker/odometry/register_points.hpp"
+#include "worker/odometry/sigma_of_motion.hpp"
 #include "worker/odometry/with_depth_at_both_times.hpp"
 #include "worker/optimisation/refine_pose_by_ceres.hpp"
 
@@ -58,6 +60,8 @@ TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
     features_ = odometry::without_dynamic_features(tracks, pairs, vision);
     const bool kept = keep_if_due(frame, depth, vision);
     TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), dynamic_features_.before(), {}};
+    tracked.sigma = odometry::sigma_of_motion(
+        rig_, vision, {T_current_previous, guess.rotation, 0.0}, base::to_s(now_ns - before_ns));
     tracked.by_vision = vision.found;
     tracked.features = odometry::feature_counts(features_);
     tracked.to_map = to_map(frame, std::move(depth), vision, kept);

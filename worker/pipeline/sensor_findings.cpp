@@ -32,6 +32,9 @@ std::string cause(const imu::GyroscopeJudgement& judgement) {
             return "the gyroscope's rates are " + base::fixed(judgement.scale, 2) +
                    " times those of the images: wrong units, a range that is exceeded, or missing "
                    "rows";
+        case imu::GyroscopeFault::Biased:
+            return "the gyroscope is off by " + base::fixed(judgement.bias_rad_s, 1) +
+                   " rad/s all the time: wrong units (degrees/s), or a broken sensor";
         case imu::GyroscopeFault::None:
         case imu::GyroscopeFault::Unexplained: break;
     }

@@ -157,6 +157,7 @@ void fields(auto& file, Is<types::Track> auto& track) {
     fields(file, track.rig);
     file.list(track.causal);
     file.list(track.odometry);
+    file.vector(track.sigmas);
     file.vector(track.motions);
     file.vector(track.breaks_ns);
     file.vector(track.features);

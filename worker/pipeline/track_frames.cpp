@@ -18,6 +18,12 @@ void report(const base::ProgressCallback& progress,
     progress(at);
 }
 
+// Returns true if the frame has the pose of the one before it: the rig is known to rest.
+bool rests(const TrackedFrame& frame) {
+    constexpr double kRounding = 1e-9;
+    return frame.T_current_previous.isApprox(Eigen::Isometry3d::Identity(), kRounding);
+}
+
 }  // namespace
 
 types::Track track_frames(types::Recording& recording,
@@ -43,6 +49,7 @@ types::Track track_frames(types::Recording& recording,
         T_start_cam = T_start_cam * tracked.T_current_previous.inverse();
         result.causal.push_back({frame->timestamp_ns, tracked.T_world_cam * T_cam_imu});
         result.odometry.push_back({frame->timestamp_ns, T_start_cam * T_cam_imu});
+        result.sigmas.push_back(rests(tracked) ? types::MotionSigma{} : tracked.sigma);
         result.motions.push_back(tracked.by_vision ? types::MotionSource::Vision
                                                    : types::MotionSource::Nothing);
         result.features.push_back(tracked.features);

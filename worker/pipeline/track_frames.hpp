@@ -28,6 +28,7 @@ struct TrackedFrame {
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();         // as estimated now
     types::Features dynamic_before;    // newly found dynamic features, as in the previous frame
     std::optional<FrameToMap> to_map;  // nullopt: not mapped
+    types::MotionSigma sigma = {};     // of T_current_previous
     bool by_vision = false;            // vision measured T_current_previous
     types::FrameFeatures features = {};
 };

@@ -9,6 +9,7 @@
 #include "worker/odometry/motion_by_vision.hpp"
 #include "worker/odometry/predict_orientation.hpp"
 #include "worker/odometry/refine_pose.hpp"
+#include "worker/odometry/sigma_of_motion.hpp"
 #include "worker/odometry/support.hpp"
 #include "worker/pipeline/motion_between_exposures.hpp"
 #include "worker/pipeline/sensor_attempts.hpp"
@@ -84,6 +85,10 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
     const bool kept = keep_if_due(frame, vision);
     TrackedFrame tracked{
         T_current_previous, motion.T_world_cam(), state_.dynamic_features.before(), {}};
+    tracked.sigma = odometry::sigma_of_motion(state_.rig,
+                                              vision,
+                                              {T_current_previous, guess.rotation, 0.0},
+                                              base::to_s(now_ns - before_ns));
     tracked.by_vision = vision.found;
     tracked.features = odometry::feature_counts(state_.features);
     tracked.to_map = to_map(frame, vision, kept);

@@ -10,6 +10,7 @@
 #include "worker/types/imu_alignment.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
+#include "worker/types/motion_sigma.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rectified_rig.hpp"
 #include "worker/types/rest.hpp"
@@ -50,6 +51,7 @@ struct Track {
     RectifiedRig rig;
     Trajectory causal;                    // every frame, from data up to its time
     Trajectory odometry;                  // chained frame-to-frame motion: drifts but never jumps
+    std::vector<MotionSigma> sigmas;      // of the odometry's motion to every frame; at rest 0
     std::vector<MotionSource> motions;    // of every frame; of the first: Nothing
     Breaks breaks_ns;                     // the frames after the first with nothing measured
     std::vector<FrameFeatures> features;  // of every frame

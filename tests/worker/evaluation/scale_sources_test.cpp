@@ -68,6 +68,43 @@ TEST(ScaleSourcesTest, ACheckIsJudgedByItsOwnSigma) {
     EXPECT_TRUE(scale_sources(dive.data, dive.trajectory, dive.path, loops).usable.empty());
 }
 
+// An accelerometer whose unit is off by `factor`, on the same dive.
+std::vector<types::ImuSample> forces(double factor) {
+    std::vector<types::ImuSample> imu;
+    for (int i = 0; i <= 12'000; ++i) {
+        const double t = 0.05 * i;  // in steps of the path
+        types::ImuSample sample;
+        sample.timestamp_ns = i * std::int64_t{5'000'000};
+        // The second derivative of the path, whose steps take 0.1 s.
+        const Eigen::Vector3d acceleration(
+            0.0, -0.13 * 0.13 * std::sin(0.13 * t), -0.8 * 0.04 * 0.04 * std::sin(0.04 * t));
+        sample.acceleration_imu =
+            factor *
+            (100.0 * acceleration + Eigen::Vector3d(0.0, 0.0, 9.81) +
+             0.02 * Eigen::Vector3d(std::sin(71.0 * i), std::sin(83.0 * i), std::sin(97.0 * i)));
+        imu.push_back(sample);
+    }
+    return imu;
+}
+
+TEST(ScaleSourcesTest, AnAccelerometerWhoseGravityIsWrongCorrectsNothing) {
+    UpAndDown dive(1.0);
+    dive.data.pressure.clear();
+    for (const double factor : {0.95, 1.0, 1.05}) {
+        dive.data.imu = forces(factor);
+        const ScaleSources sources = dive.sources();
+        ASSERT_EQ(sources.usable.size(), 1U) << factor;
+        EXPECT_EQ(sources.usable[0].name, "accelerometer");
+        EXPECT_NEAR(sources.usable[0].check.scale, factor, 0.01);
+        EXPECT_FALSE(scale_correction(sources.usable, kCamerasSigma)) << factor;
+    }
+    EXPECT_GT(dive.sources().usable[0].check.sigma, 0.035);
+    // One with the right gravity does.
+    dive.data.imu = forces(1.0);
+    for (types::StampedPose& pose : dive.trajectory) pose.T_world_imu.translation() *= 0.95;
+    EXPECT_TRUE(scale_correction(dive.sources().usable, kCamerasSigma));
+}
+
 TEST(ScaleSourcesTest, SegmentsHaveNoMotionInCommon) {
     UpAndDown dive(1.0);
     dive.data.markers = ScaleCheck{0.99, 0.002};

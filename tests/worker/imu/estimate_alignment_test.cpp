@@ -106,6 +106,32 @@ TEST(ImuAlignmentTest, SaysNothingWithoutSamplesOrTurns) {
     EXPECT_FALSE(estimate_alignment(gyroscope({}), {}));
 }
 
+TEST(ImuAlignmentTest, SaysNothingOfARigAtRestWhateverANoisyGyroscopeMeasures) {
+    for (std::uint32_t seed = 1; seed <= 20; ++seed) {
+        std::mt19937 random(seed);
+        std::normal_distribution<double> normal;
+        std::vector<types::ImuSample> samples;
+        for (int i = -2; i <= 60; ++i) {  // at 10 Hz, of which now and then one is far off
+            types::ImuSample sample;
+            sample.timestamp_ns = std::int64_t{100'000'000} * i;
+            const double sigma = i % 9 == 3 ? 0.2 : 0.01;
+            sample.angular_velocity_imu =
+                sigma * Eigen::Vector3d(normal(random), normal(random), normal(random));
+            samples.push_back(sample);
+        }
+        std::vector<VisionRotation> rotations;
+        for (int i = 0; i < 100; ++i) {
+            const std::int64_t from_ns = std::int64_t{50'000'000} * i;
+            rotations.push_back(
+                {from_ns,
+                 from_ns + 50'000'000,
+                 base::rotation_from_vector(
+                     2e-4 * Eigen::Vector3d(normal(random), normal(random), normal(random)))});
+        }
+        EXPECT_FALSE(estimate_alignment(samples, rotations)) << seed;
+    }
+}
+
 TEST(ImuAlignmentTest, AlignedSamplesAreThoseOfAUnitThatSitsAsCalibrated) {
     const types::ImuAlignment error = injected(0.008, {0.6, -0.5, 0.62});
     const auto straight = gyroscope({});

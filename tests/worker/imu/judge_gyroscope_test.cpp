@@ -88,6 +88,31 @@ TEST(JudgeGyroscopeTest, FindsAClockThatIsOffByUpToASecond) {
     }
 }
 
+// Between what the alignment finds while a dive is tracked (60 ms) and what no longer fits at all.
+TEST(JudgeGyroscopeTest, FindsAClockThatIsOffByLittleMoreThanTheAlignmentFinds) {
+    for (const double offset_s : {-0.1, -0.07, 0.062, 0.07, 0.08, 0.1}) {
+        const auto judgement = judged(
+            [&](types::ImuSample& sample) { sample.timestamp_ns += std::llround(1e9 * offset_s); });
+        EXPECT_EQ(judgement.fit, GyroscopeFit::FitsShifted) << offset_s;
+        EXPECT_NEAR(judgement.time_offset_s, offset_s, 0.005);
+    }
+}
+
+TEST(JudgeGyroscopeTest, ABiasThatNoGyroscopeHasContradictsAfterThreeSeconds) {
+    const auto off_by = [](double bias_rad_s) {
+        const auto samples = gyroscope(kStill_s + 10.0, [&](types::ImuSample& sample) {
+            sample.angular_velocity_imu.y() += bias_rad_s;
+        });
+        const auto seen = turns(kStill_s + 10.0);
+        return judge_gyroscope(samples, {seen.begin(), seen.begin() + 9});
+    };
+    const auto judgement = off_by(4.5);  // a bias of 0.08 rad/s in degrees
+    EXPECT_EQ(judgement.fit, GyroscopeFit::Contradicts);
+    EXPECT_EQ(judgement.fault, GyroscopeFault::Biased);
+    EXPECT_NEAR(judgement.bias_rad_s, 4.5, 0.3);  // the smallest difference
+    EXPECT_EQ(off_by(0.3).fit, GyroscopeFit::Unknown);
+}
+
 TEST(JudgeGyroscopeTest, AClockThatIsOffByMoreIsNotTakenForOneThatIsOffByASecond) {
     for (const double offset_s : {-1.2, -1.05, 1.05, 1.2}) {
         const auto judgement = judged(

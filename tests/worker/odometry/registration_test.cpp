@@ -6,6 +6,7 @@
 #include "worker/odometry/refine_pose.hpp"
 #include "worker/odometry/register_points.hpp"
 #include "worker/odometry/register_with_rotation.hpp"
+#include "worker/odometry/sigma_of_motion.hpp"
 #include "worker/optimisation/refine_pose_by_ceres.hpp"
 
 namespace divemesh::odometry {
@@ -185,6 +186,46 @@ TEST(RefinePoseTest, GainsByAKnownRotation) {
             .T_current_previous;
 
     EXPECT_THAT(refined, IsPoseWithin(true_motion(), 0.01, 0.001));
+}
+
+TEST(SigmaOfMotionTest, IsTheSpreadOfTheErrorsOfFortyMotions) {
+    double moved_m2 = 0.0;
+    double stated_m2 = 0.0;
+    double turned_rad2 = 0.0;
+    double stated_rad2 = 0.0;
+    for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+        synthetic::World world(1.0, 0.0, seed);
+        const double noise_px = types::kFeatureSigma_px.x();
+        const Registration motion =
+            register_points(synthetic::rig(), pairs(world, noise_px), 2.0, 1);
+        const MotionGuess guess{
+            refine_pose(synthetic::rig(), motion.inliers, predict_orientation(std::nullopt, motion))
+                .T_current_previous,
+            std::nullopt,
+            0.0};
+        const types::MotionSigma sigma = sigma_of_motion(synthetic::rig(), motion, guess, 0.1);
+        moved_m2 +=
+            (guess.T_current_previous.translation() - true_motion().translation()).squaredNorm() /
+            3.0;
+        stated_m2 += sigma.position_m * sigma.position_m;
+        const double angle_rad = Eigen::AngleAxisd(guess.T_current_previous.linear() *
+                                                   true_motion().linear().transpose())
+                                     .angle();
+        turned_rad2 += angle_rad * angle_rad / 3.0;
+        stated_rad2 += sigma.rotation_rad * sigma.rotation_rad;
+    }
+    EXPECT_NEAR(moved_m2 / stated_m2, 1.0, 0.5);
+    EXPECT_NEAR(turned_rad2 / stated_rad2, 1.0, 0.5);
+}
+
+TEST(SigmaOfMotionTest, GrowsWithTheTimeInWhichNothingWasMeasured) {
+    const types::MotionSigma brief = sigma_of_motion(synthetic::rig(), {}, {}, 0.1);
+    const types::MotionSigma longer = sigma_of_motion(synthetic::rig(), {}, {}, 0.4);
+    EXPECT_NEAR(longer.position_m, 4.0 * brief.position_m, 1e-12);
+    EXPECT_NEAR(longer.rotation_rad, 4.0 * brief.rotation_rad, 1e-12);
+    MotionGuess turned;
+    turned.rotation = types::KnownRotation{Eigen::Quaterniond::Identity(), 1e-4};
+    EXPECT_EQ(sigma_of_motion(synthetic::rig(), {}, turned, 0.4).rotation_rad, 1e-4);
 }
 
 TEST(RefinePoseTest, GivesTheGuessAndSaysThatItFailedWhereAPointWouldLieBehindTheCamera) {

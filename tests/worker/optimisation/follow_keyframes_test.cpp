@@ -11,27 +11,48 @@ Eigen::Isometry3d at(double x_m) { return Eigen::Isometry3d(Eigen::Translation3d
 class FollowOverBreaksTest : public testing::Test {
 protected:
     FollowOverBreaksTest() {
-        for (int i = 0; i < 9; ++i) odometry_.push_back({10 * i, at(0.1 * i)});
+        for (int i = 0; i < 9; ++i) {
+            odometry_.push_back({10 * i, at(0.1 * i)});
+            sigmas_.push_back({0.01, 0.001});
+        }
         keyframes_ = {{0, 0, at(0.0), 0}, {8, 80, at(1.0), 0}};
     }
     double x_m(int frame, const types::Breaks& breaks_ns) const {
-        return follow_keyframes(odometry_, keyframes_, Eigen::Isometry3d::Identity(), breaks_ns)
+        return follow_keyframes(
+                   odometry_, sigmas_, keyframes_, Eigen::Isometry3d::Identity(), breaks_ns)
             .at(static_cast<std::size_t>(frame))
             .T_world_imu.translation()
             .x();
     }
 
     types::Trajectory odometry_;
+    std::vector<types::MotionSigma> sigmas_;
     std::vector<types::Keyframe> keyframes_;
 };
 
-TEST_F(FollowOverBreaksTest, WithoutABreakTheErrorIsDistributedByTime) {
+TEST_F(FollowOverBreaksTest, WithoutABreakEqualStepsHaveEqualPartsOfTheError) {
     EXPECT_NEAR(x_m(4, {}), 0.5, 1e-12);
     EXPECT_NEAR(x_m(2, {}), 0.25, 1e-12);
 }
 
+TEST_F(FollowOverBreaksTest, AnUncertainStepHasMostOfTheError) {
+    sigmas_[6] = {0.05, 0.001};  // a variance of 25 others: 25 / 32 of the error
+    EXPECT_NEAR(x_m(5, {}), 0.5 + 0.2 * 5.0 / 32.0, 1e-12);
+    EXPECT_NEAR(x_m(6, {}), 0.6 + 0.2 * 30.0 / 32.0, 1e-12);
+}
+
+TEST_F(FollowOverBreaksTest, AnUncertainRotationHasMostOfTheErrorInRotation) {
+    keyframes_[1].T_world_cam.rotate(Eigen::AngleAxisd(0.32, Eigen::Vector3d::UnitX()));
+    sigmas_[6] = {0.01, 0.005};
+    const types::Trajectory frames =
+        follow_keyframes(odometry_, sigmas_, keyframes_, Eigen::Isometry3d::Identity());
+    EXPECT_NEAR(Eigen::AngleAxisd(frames[5].T_world_imu.linear()).angle(), 0.05, 1e-9);
+    EXPECT_NEAR(Eigen::AngleAxisd(frames[6].T_world_imu.linear()).angle(), 0.30, 1e-9);
+}
+
 TEST_F(FollowOverBreaksTest, AtRestNoErrorIsDistributed) {
     for (int i = 2; i <= 6; ++i) odometry_[static_cast<std::size_t>(i)].T_world_imu = at(0.2);
+    for (std::size_t i = 3; i <= 6; ++i) sigmas_[i] = {};
     odometry_[7].T_world_imu = at(0.3);
     odometry_[8].T_world_imu = at(0.4);
     // The odometry moves in four steps, and is 0.6 m short.

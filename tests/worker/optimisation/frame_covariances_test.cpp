@@ -8,7 +8,7 @@ namespace {
 // Eleven frames with keyframes at the first, the sixth and the eleventh. The odometry is off by
 // `miss_m` to the side from the second keyframe on, and by twice that from the third.
 struct Followed {
-    explicit Followed(double miss_m) : odometry(11) {
+    explicit Followed(double miss_m) : odometry(11), sigmas(11, {0.01, 0.001}) {
         for (std::size_t i = 0; i < odometry.size(); ++i) {
             odometry[i].timestamp_ns = 100 * static_cast<std::int64_t>(i);
             odometry[i].T_world_imu.translation().x() = static_cast<double>(i);
@@ -25,10 +25,12 @@ struct Followed {
         }
     }
     types::CovarianceTrack at_frames() const {
-        return covariances_at(covariances, odometry, keyframes, Eigen::Isometry3d::Identity());
+        return covariances_at(
+            covariances, odometry, sigmas, keyframes, Eigen::Isometry3d::Identity());
     }
 
     types::Trajectory odometry;
+    std::vector<types::MotionSigma> sigmas;
     std::vector<types::Keyframe> keyframes;
     types::CovarianceTrack covariances;
 };
@@ -48,6 +50,22 @@ TEST(FrameCovarianceTest, FramesBetweenKeyframesHaveTheErrorOfTheirOdometry) {
     const double whole = 0.03 * 3.0 / 2.365973884375;
     EXPECT_NEAR(at[2].position_m2(0, 0) - 0.8, 0.4 * 0.6 * whole, 1e-9);
     EXPECT_NEAR(at[5].position_m2(0, 0), 2.0, 1e-12);
+}
+
+TEST(FrameCovarianceTest, BesideAnUncertainStepFramesAreKnownAsWellAsTheNearerKeyframe) {
+    Followed followed(0.3);
+    followed.sigmas[4] = {0.07, 0.001};  // a variance of 49 others, of 53 in the interval
+    const types::CovarianceTrack at = followed.at_frames();
+    // The other interval sets by how much errors exceed what is stated; the median of three values
+    // is below their mean.
+    const double whole_m2 = 53.0 / 5.0 * 0.03 * 3.0 / 2.365973884375;
+    const auto between = [&](std::size_t i) {
+        return at[i].position_m2(0, 0) - 0.4 * static_cast<double>(i);
+    };
+    EXPECT_NEAR(between(3), whole_m2 * 3.0 / 53.0 * 50.0 / 53.0, 1e-9);
+    EXPECT_NEAR(between(4), whole_m2 * 52.0 / 53.0 * 1.0 / 53.0, 1e-9);
+    // In the other interval the steps are equal.
+    EXPECT_NEAR(between(7), 0.24 / 0.16 * between(6), 1e-9);
 }
 
 }  // namespace

@@ -134,7 +134,10 @@ TEST(FollowKeyframesTest, FramesGoWithTheKeyframesAroundThem) {
     keyframes[2].T_world_cam.translation() << 10.0, 1.0, 0.0;
 
     const types::Trajectory frames =
-        follow_keyframes(odometry, keyframes, Eigen::Isometry3d::Identity());
+        follow_keyframes(odometry,
+                         std::vector<types::MotionSigma>(odometry.size(), {0.01, 0.001}),
+                         keyframes,
+                         Eigen::Isometry3d::Identity());
 
     ASSERT_EQ(frames.size(), odometry.size());
     EXPECT_NEAR(frames[2].T_world_imu.translation().y(), 0.4, 1e-9);

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "worker/types/recording.hpp"
+#include "worker/types/rig.hpp"
+
+namespace divemesh::imu {
+
+// Returns `stated` with the white noise that the samples themselves show where that is larger: what
+// thrusters, a loose mount, wrong units or rows left out add. It is measured by second differences,
+// to which a diver's motion hardly contributes at 100 Hz; the variance of white noise is a sixth of
+// theirs. Each second of samples counts once, and the median of the seconds is taken. As an error
+// of interpolation shows in second differences too, samples that are too rare for the motion count
+// as noisy ones. Fewer than 30 samples show nothing.
+types::ImuNoise at_least_measured(const std::vector<types::ImuSample>& samples,
+                                  const types::ImuNoise& stated);
+
+}  // namespace divemesh::imu
