@@ -54,6 +54,7 @@ EpipolarMoment sample_epipolar_errors(const types::Rig& rig,
             continue;
         EpipolarSample sample;
         sample.ray = ray.head<2>();
+        sample.right_ray = right_ray.head<2>() / right_ray.z();
         sample.inverse_depth_1_m = inverse_depth;
         sample.error_px = rays.epipolar_error_px(ray, right_ray);
         sample.rate_px_s =

@@ -11,7 +11,8 @@ namespace divemesh::dive {
 // A feature of the left image that was found in the right image and, a little later, in the left
 // one again. Pixels are those of the left camera.
 struct EpipolarSample {
-    Eigen::Vector2d ray = Eigen::Vector2d::Zero();  // in cam0, at z = 1
+    Eigen::Vector2d ray = Eigen::Vector2d::Zero();        // in cam0, at z = 1
+    Eigen::Vector2d right_ray = Eigen::Vector2d::Zero();  // that of the right camera, likewise
     double inverse_depth_1_m = 0.0;
     double error_px = 0.0;   // signed distance of the right feature from its epipolar line
     double rate_px_s = 0.0;  // how fast that distance falls as the camera moves

@@ -25,12 +25,20 @@ constexpr double kSigmas = 5.0;
 // Rates are means over the time to the later image, not over the delay: relative, by rendered
 // dives.
 constexpr double kRateError = 0.05;
+// The part of a misalignment that the three terms do not describe: the baseline's direction,
+// lenses.
+constexpr double kMisalignmentError = 0.01;
 
-using Model = Eigen::Vector4d;  // delay in s; misalignment in px: constant, by x, by y
+using Model = Eigen::Vector4d;  // delay in s; misalignment in px: pitch, roll, vertical scale
 
 const Model kPriorInformation(1e-3, 1e-3, 1e-1, 1e-1);  // keeps unseen terms near 0
 
-Model regressor(const EpipolarSample& s) { return {s.rate_px_s, 1.0, s.ray.x(), s.ray.y()}; }
+// Returns the derivatives of the error. The right camera turns about itself, so a roll moves what
+// is near by less than what is far at the same place in the left image.
+Model regressor(const EpipolarSample& s) {
+    const Eigen::Vector2d& ray = s.right_ray;
+    return {s.rate_px_s, 1.0 + ray.y() * ray.y(), ray.x(), ray.y()};
+}
 
 double residual_px(const Model& model, const EpipolarSample& s) {
     return s.error_px - model.dot(regressor(s));
@@ -122,6 +130,14 @@ double delay_of_moment(Model model, const std::vector<EpipolarSample>& samples) 
     return model[0];
 }
 
+// Returns the RMS of what the misalignment moves the samples by.
+double misalignment_rms_px(const Model& model, const std::vector<EpipolarSample>& samples) {
+    double squares = 0.0;
+    for (const EpipolarSample& s : samples)
+        squares += std::pow(model.tail<3>().dot(regressor(s).tail<3>()), 2);
+    return std::sqrt(squares / static_cast<double>(samples.size()));
+}
+
 template <typename Get>
 double median_abs(const std::vector<EpipolarSample>& samples, const Get& get) {
     std::vector<double> values;
@@ -165,7 +181,10 @@ StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
         if (has_enough) ++num_moments;
     }
     if (num_moments < kMinMoments || result.rate_px_s < kMinRate_px_s) return result;
-    result.sigma_s = std::hypot(sigma_between_moments(model, moments), kRateError * result.delay_s);
+    result.sigma_s =
+        std::hypot(sigma_between_moments(model, moments),
+                   kRateError * result.delay_s,
+                   kMisalignmentError * misalignment_rms_px(model, samples) / result.rate_px_s);
     result.is_determined = fitted.last_step_s < result.sigma_s;
     return result;
 }

@@ -27,7 +27,7 @@ struct StereoDelay {
 };
 
 // Estimates the delay together with a constant misalignment of the pair (pitch, roll and vertical
-// scale: linear in the ray), robustly. Empty moments are ignored.
+// scale, as the right camera sees them), robustly. Empty moments are ignored.
 StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments);
 
 }  // namespace divemesh::dive
