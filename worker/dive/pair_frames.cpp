@@ -70,6 +70,16 @@ Line fit_line(const std::vector<std::pair<double, double>>& points, bool is_leve
     return line;
 }
 
+bool same_images(const PairedFrames& a, const PairedFrames& b) {
+    return std::equal(a.pairs.begin(),
+                      a.pairs.end(),
+                      b.pairs.begin(),
+                      b.pairs.end(),
+                      [](const FramePair& pair, const FramePair& other) {
+                          return pair.left == other.left && pair.right == other.right;
+                      });
+}
+
 class PairFinder {
 public:
     PairFinder(const CameraImages& images, const types::Rig& rig)
@@ -162,6 +172,8 @@ private:
         clocks.offset_ns += base::to_ns(lag->lag_s);
         clocks.reference_ns = begin_ns;
         PairedFrames found = pair_with(clocks);
+        // At slow rates few corners are found again, however well the timestamps agree.
+        if (is_common_ && same_images(found, known)) return known;
         const double share = known.delay.share_fitting;
         const bool is_as_good = found.delay.share_fitting > kAsGoodShare * share &&
                                 std::abs(found.delay.delay_s) <= std::abs(known.delay.delay_s);
@@ -175,13 +187,7 @@ private:
             const auto clocks = clocks_by_images(known);
             if (!clocks) return known;
             PairedFrames found = pair_with(*clocks);
-            const bool is_same = std::equal(found.pairs.begin(),
-                                            found.pairs.end(),
-                                            known.pairs.begin(),
-                                            known.pairs.end(),
-                                            [](const FramePair& a, const FramePair& b) {
-                                                return a.left == b.left && a.right == b.right;
-                                            });
+            const bool is_same = same_images(found, known);
             const bool is_better = std::abs(found.delay.delay_s) < std::abs(known.delay.delay_s) ||
                                    found.delay.share_fitting > known.delay.share_fitting;
             if (is_same) known.clocks = *clocks;
