@@ -18,16 +18,7 @@ constexpr double kAhrsRotationSigma_rad = 1e-3;  // white noise of two samples
 constexpr double kAhrsDrift_rad_per_s = 3e-3;    // its slow error in motion
 // With a larger error in gravity the accelerometer is not used.
 constexpr double kWrongGravity_m_s2 = 0.6;
-// Data sheets do not include thrusters and kicks, so their noise is multiplied by these.
-constexpr double kGyroscopeInflation = 1.5;
-constexpr double kAccelerometerInflation = 5.0;
 constexpr double kVisionRotationSigma_rad = 5e-4;  // of one frame's rotation from vision
-
-types::ImuNoise inflated(types::ImuNoise noise) {
-    noise.gyroscope_noise_density *= kGyroscopeInflation;
-    noise.accelerometer_noise_density *= kAccelerometerInflation;
-    return noise;
-}
 
 // Over longer intervals the error of the bias, and of the vertical with it, is no longer small.
 constexpr std::int64_t kMaxIntegration_ns = 8'000'000'000;
@@ -84,8 +75,8 @@ InertialPrior::InertialPrior(const types::Recording& recording,
       accelerometer_(gyroscope_ && !left_out.accelerometer && measures_gravity(imu_)),
       ahrs_(options.use_ahrs && !orientations_.empty()),
       pressure_(options.use_pressure && !left_out.pressure && !recording.pressure().empty()),
-      noise_(at_least_measured(imu_,
-                               inflated(recording.rig().imu_noise.value_or(types::ImuNoise{})))) {}
+      noise_(at_least_measured(
+          imu_, on_a_diver(recording.rig().imu_noise.value_or(types::ImuNoise{})))) {}
 
 void InertialPrior::align(const types::ImuAlignment& alignment) {
     imu_ = aligned(rates_, alignment);

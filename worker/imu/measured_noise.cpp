@@ -11,6 +11,8 @@
 namespace divemesh::imu {
 namespace {
 
+constexpr double kGyroscopeInflation = 1.5;
+constexpr double kAccelerometerInflation = 5.0;
 constexpr std::size_t kMinSamples = 30;
 constexpr std::int64_t kBin_ns = 1'000'000'000;
 constexpr double kOfSecondDifference = 6.0;  // variance of x - 2 y + z of white noise
@@ -48,6 +50,13 @@ double density(const std::vector<types::ImuSample>& samples,
 }
 
 }  // namespace
+
+types::ImuNoise on_a_diver(const types::ImuNoise& data_sheet) {
+    types::ImuNoise noise = data_sheet;
+    noise.gyroscope_noise_density *= kGyroscopeInflation;
+    noise.accelerometer_noise_density *= kAccelerometerInflation;
+    return noise;
+}
 
 types::ImuNoise at_least_measured(const std::vector<types::ImuSample>& samples,
                                   const types::ImuNoise& stated) {

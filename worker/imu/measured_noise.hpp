@@ -7,6 +7,10 @@
 
 namespace divemesh::imu {
 
+// Returns the noise on a diver of an IMU with this data sheet: data sheets do not include thrusters
+// and kicks.
+types::ImuNoise on_a_diver(const types::ImuNoise& data_sheet);
+
 // Returns `stated` with the white noise that the samples themselves show where that is larger: what
 // thrusters, a loose mount, wrong units or rows left out add. It is measured by second differences,
 // to which a diver's motion hardly contributes at 100 Hz; the variance of white noise is a sixth of

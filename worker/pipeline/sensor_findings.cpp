@@ -5,6 +5,7 @@
 
 #include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
+#include "worker/imu/measured_noise.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -91,6 +92,15 @@ Finding imu_not_confirmed() {
             "start of a dive"};
 }
 
+Finding accelerometer_not_tested() {
+    return {Severity::Warning,
+            "accelerometer_left_out",
+            kImuTable,
+            "the scene was lost before six seconds of images could test the accelerometer. Only "
+            "the gyroscope was used",
+            "keep the scene in view for some seconds at the start of a dive"};
+}
+
 Finding accelerometer_left_out(double disagreement_m_s2) {
     return {Severity::Warning,
             "accelerometer_left_out",
@@ -171,6 +181,34 @@ std::string cause(const imu::PressureJudgement& judgement) {
 
 }  // namespace
 
+std::optional<Finding> imu_noisy(const std::vector<types::ImuSample>& samples,
+                                 const types::ImuNoise& stated) {
+    const types::ImuNoise usual = imu::on_a_diver(stated);
+    const types::ImuNoise used = imu::at_least_measured(samples, usual);
+    std::string of;
+    const auto add = [&](const char* sensor, double usual_density, double density, double sheet) {
+        if (density <= usual_density) return;
+        of += (of.empty() ? "" : ", ") + std::string(sensor) + " " +
+              base::fixed(density / sheet, 0) + " times as much";
+    };
+    add("gyroscope",
+        usual.gyroscope_noise_density,
+        used.gyroscope_noise_density,
+        stated.gyroscope_noise_density);
+    add("accelerometer",
+        usual.accelerometer_noise_density,
+        used.accelerometer_noise_density,
+        stated.accelerometer_noise_density);
+    if (of.empty()) return std::nullopt;
+    return Finding{Severity::Info,
+                   "imu_noisy",
+                   kImuTable,
+                   "the IMU's rows have more noise than sensor.yaml states (" + of +
+                       "): thrusters, a loose mount, or too few rows for the motion. The larger "
+                       "noise was used",
+                   "fix the IMU to the cameras, keep it off motors, record all of its rows"};
+}
+
 Finding pressure_left_out(const imu::PressureJudgement& judgement) {
     return {Severity::Warning,
             "pressure_left_out",
@@ -197,7 +235,9 @@ std::vector<Finding> sensor_findings(const imu::SensorPlan& plan) {
     if (plan.time_offset_s != 0.0) findings.push_back(clock_offset(plan.time_offset_s));
     if (!plan.left_out.imu_times.empty()) findings.push_back(imu_left_out_for_a_time(plan));
     if (plan.left_out.accelerometer && !plan.accelerometer_clipped)
-        findings.push_back(accelerometer_left_out(plan.gravity_disagreement_m_s2));
+        findings.push_back(plan.gravity_disagreement_m_s2 > 0.0
+                               ? accelerometer_left_out(plan.gravity_disagreement_m_s2)
+                               : accelerometer_not_tested());
     return findings;
 }
 

@@ -5,6 +5,7 @@
 
 #include "worker/base/seconds.hpp"
 #include "worker/camera/synchronise_pair.hpp"
+#include "worker/imu/usable_samples.hpp"
 #include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/motion_by_vision.hpp"
 #include "worker/odometry/predict_orientation.hpp"
@@ -236,6 +237,9 @@ types::Track track_window(types::Recording& recording,
         if (!attempts.again(tracker.sensors(), track)) {
             track.left_out = attempts.plan().left_out;
             track.findings = sensor_findings(attempts.plan());
+            if (const auto& stated = recording.rig().imu_noise; stated && options.use_imu)
+                if (auto noisy = imu_noisy(imu::usable_rates(recording, track.left_out), *stated))
+                    track.findings.push_back(std::move(*noisy));
             return track;
         }
         recording.rewind();

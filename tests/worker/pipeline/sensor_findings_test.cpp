@@ -46,6 +46,46 @@ TEST(SensorFindingsTest, AnImuLeftOutForATimeIsExplainedWithoutAJudgement) {
     EXPECT_EQ(findings[0].message.find("mismatch"), std::string::npos);
 }
 
+TEST(SensorFindingsTest, AnAccelerometerThatCouldNotBeTestedIsNotAccused) {
+    imu::SensorPlan plan;
+    plan.left_out.accelerometer = true;
+    ASSERT_EQ(sensor_findings(plan).size(), 1U);
+    EXPECT_NE(sensor_findings(plan)[0].message.find("could test"), std::string::npos);
+    plan.gravity_disagreement_m_s2 = 1.4;
+    EXPECT_NE(sensor_findings(plan)[0].message.find("1.4 m/s^2"), std::string::npos);
+    plan.accelerometer_clipped = true;  // the dive's findings say so
+    EXPECT_TRUE(sensor_findings(plan).empty());
+}
+
+TEST(SensorFindingsTest, ABiasThatNoGyroscopeHasIsNamed) {
+    imu::SensorPlan plan;
+    plan.left_out.imu = true;
+    plan.gyroscope.fault = imu::GyroscopeFault::Biased;
+    plan.gyroscope.bias_rad_s = 4.5;
+    EXPECT_NE(sensor_findings(plan)[0].message.find("off by 4.5 rad/s"), std::string::npos);
+}
+
+TEST(SensorFindingsTest, NoiseBeyondTheDataSheetsIsSaid) {
+    const types::ImuNoise stated{.gyroscope_noise_density = 2e-4,
+                                 .accelerometer_noise_density = 2e-3};
+    std::vector<types::ImuSample> samples(1000);
+    for (std::size_t i = 0; i < samples.size(); ++i) {
+        samples[i].timestamp_ns = static_cast<std::int64_t>(i) * 5'000'000;
+        samples[i].acceleration_imu = {0.0, 0.0, 9.81};
+        // Of alternating values the second difference is four times their size: that of white noise
+        // whose sigma is 4 / sqrt(6) of it.
+        samples[i].angular_velocity_imu.setConstant(i % 2 == 0 ? 0.01 : -0.01);
+    }
+    const auto noisy = imu_noisy(samples, stated);
+    ASSERT_TRUE(noisy);
+    EXPECT_EQ(noisy->severity, Severity::Info);
+    // 0.01 * 4 / sqrt(6) * sqrt(0.005 s) = 1.15e-3, 5.8 times 2e-4.
+    EXPECT_NE(noisy->message.find("gyroscope 6 times"), std::string::npos) << noisy->message;
+    EXPECT_EQ(noisy->message.find("accelerometer"), std::string::npos) << noisy->message;
+    for (types::ImuSample& sample : samples) sample.angular_velocity_imu *= 0.1;
+    EXPECT_FALSE(imu_noisy(samples, stated));
+}
+
 TEST(SensorFindingsTest, AnAhrsIsLeftOutForATime) {
     imu::SensorPlan plan;
     plan.left_out.ahrs_times = {{0, 4'000'000'000}, {9'000'000'000, 12'000'000'000}};
