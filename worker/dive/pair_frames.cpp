@@ -101,23 +101,24 @@ private:
                                               ? common_clock_tolerance_ns(images_.left)
                                               : half_period_ns(images_.left);
         frames.pairs = match_pairs(images_.left, images_.right, clocks, tolerance_ns);
-        frames.delay = measure(frames.pairs);
+        measure(frames);
         return frames;
     }
 
-    // Measures the delay at moments spread over the dive; notes them for the drift.
-    StereoDelay measure(const std::vector<FramePair>& pairs) {
-        moments_.clear();
+    // Measures the delay at moments spread over the dive.
+    void measure(PairedFrames& frames) const {
+        const std::vector<FramePair>& pairs = frames.pairs;
+        std::vector<int>& moments = frames.moments;
         std::vector<EpipolarMoment> samples;
         const int num_pairs = static_cast<int>(pairs.size());
         for (int k = 0; k < kNumMoments; ++k) {
             const int first = (2 * k + 1) * num_pairs / (2 * kNumMoments);
             const int later = next_after(pairs, first);
-            if (later == first || (!moments_.empty() && moments_.back() == first)) continue;
+            if (later == first || (!moments.empty() && moments.back() == first)) continue;
             samples.push_back(sample(pairs, first, later));
-            moments_.push_back(first);
+            moments.push_back(first);
         }
-        return estimate_delay(samples);
+        frames.delay = estimate_delay(samples);
     }
 
     // Returns the first pair far enough after `first` for features to have moved; `first` if none.
@@ -203,7 +204,7 @@ private:
         std::vector<std::pair<double, double>> points;  // time, difference of the clocks; s
         const std::int64_t start_ns = images_.left.front().timestamp_ns;
         for (std::size_t k = 0; k < known.delay.by_moment_s.size(); ++k) {
-            const FramePair& pair = known.pairs[static_cast<std::size_t>(moments_[k])];
+            const FramePair& pair = known.pairs[static_cast<std::size_t>(known.moments[k])];
             const double delay_s = known.delay.by_moment_s[k];
             if (!std::isfinite(delay_s)) continue;
             const std::int64_t known_ns = known.clocks.at(pair.timestamp_ns);
@@ -232,8 +233,7 @@ private:
 
     const CameraImages& images_;
     const types::Rig& rig_;
-    bool is_common_;            // most images have a partner by timestamps alone
-    std::vector<int> moments_;  // indices of the pairs last measured
+    bool is_common_;  // most images have a partner by timestamps alone
 };
 
 }  // namespace

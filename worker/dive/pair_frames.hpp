@@ -24,6 +24,7 @@ struct PairedFrames {
     std::vector<FramePair> pairs;
     ClockDifference clocks;
     StereoDelay delay;             // that is left between the images of a pair
+    std::vector<int> moments;      // the pairs of delay.by_moment_s
     bool has_right_clock = false;  // timestamps of the pairs are by the right clock
 };
 

@@ -27,17 +27,22 @@ constexpr double kSigmas = 5.0;
 constexpr double kRateError = 0.05;
 // The part of a misalignment that the three terms do not describe: the baseline's direction,
 // lenses.
-constexpr double kMisalignmentError = 0.01;
+constexpr double kMisalignmentError = 0.003;
 
 using Model = Eigen::Vector4d;  // delay in s; misalignment in px: pitch, roll, vertical scale
 
 const Model kPriorInformation(1e-3, 1e-3, 1e-1, 1e-1);  // keeps unseen terms near 0
 
-// Returns the derivatives of the error. The right camera turns about itself, so a roll moves what
-// is near by less than what is far at the same place in the left image.
+// Returns the derivatives of the error, which is an angle. The right camera turns about itself, so
+// a roll moves what is near by less than what is far at the same place in the left image.
 Model regressor(const EpipolarSample& s) {
     const Eigen::Vector2d& ray = s.right_ray;
-    return {s.rate_px_s, 1.0 + ray.y() * ray.y(), ray.x(), ray.y()};
+    const double from_baseline = std::hypot(1.0, ray.y());  // of the plane, at z = 1
+    const double length = std::hypot(1.0, ray.x(), ray.y());
+    return {s.rate_px_s,
+            from_baseline / length,
+            ray.x() / (from_baseline * length),
+            ray.y() / (from_baseline * length)};
 }
 
 double residual_px(const Model& model, const EpipolarSample& s) {

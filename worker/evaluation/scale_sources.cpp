@@ -56,6 +56,9 @@ public:
              double own_sigma,
              const std::string& why_not) {
         if (!check) return leave_out(name, why_not);
+        if (own_sigma > kMaxSigma)
+            return leave_out(
+                name, "its gravity is wrong by about " + base::fixed(100.0 * own_sigma, 0) + " %");
         check->sigma = std::hypot(check->sigma, own_sigma);
         if (check->sigma > kMaxSigma)
             return leave_out(name,

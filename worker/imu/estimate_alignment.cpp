@@ -18,7 +18,7 @@ using Matrix7 = Eigen::Matrix<double, 7, 7>;
 
 constexpr int kNumSteps = 8;
 constexpr std::size_t kMinRotations = 20;
-constexpr std::int64_t kReach_ns = 60'000'000;
+constexpr std::int64_t kReach_ns = 70'000'000;  // kNearOffset_s and a margin
 constexpr std::int64_t kCoarseStep_ns = 4'000'000;
 constexpr double kDerivativeStep_s = 2e-3;
 constexpr double kPriorOffset_s = 0.03;
@@ -68,8 +68,8 @@ public:
         return sum;
     }
 
-    // Returns the energy of the rotations about their mean over that of the residuals, of the one
-    // of gyroscope and vision that has less: what the other has more is noise.
+    // Returns the smaller of the gyroscope's and vision's energy about their mean, over that of the
+    // residuals: the excess of the other is noise.
     double signal_to_noise(const State& state) const {
         std::vector<Eigen::Vector3d> by_gyroscope;
         std::vector<Eigen::Vector3d> by_vision;

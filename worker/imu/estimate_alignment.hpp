@@ -52,7 +52,7 @@ struct AlignmentEstimate {
 //
 //     log(q_seen) = R_body_imu log(q_gyroscope(from + dt, to + dt)) - b (to - from)
 //
-// started from the best of a series of offsets within +-60 ms, with Huber weights and priors (30
+// started from the best of a series of offsets within +-70 ms, with Huber weights and priors (30
 // ms, 2 degrees, 0.1 rad/s). If all rotations share one axis, the misalignment about that axis
 // stays at its prior. nullopt if the samples cover fewer than 20 rotations, if these are so small
 // that noise would be taken for motion, or if the last of eight steps still moved offset or

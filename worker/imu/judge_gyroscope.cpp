@@ -24,6 +24,8 @@ constexpr std::size_t kMaxSpans = 40;  // what is wrong for twelve seconds is fo
 constexpr std::size_t kMinSpansToShift = 32;
 constexpr double kMinCovered = 0.6;  // share of the spans that samples cover
 constexpr std::size_t kMinSpansToTellBias = 8;
+// Over longer spans units that are wrong turn by more than half a turn, which no rotation shows.
+constexpr std::int64_t kMaxSpanToTellBias_ns = 600'000'000;
 // Data sheets of the cheapest gyroscopes allow 0.35 rad/s.
 constexpr double kImpossibleBias_rad_s = 0.5;
 constexpr double kStep_s = 0.02;
@@ -251,35 +253,42 @@ void explain(const GyroscopePath& path,
     judgement.scale = near.scale;
 }
 
-// Returns the difference of both rates, without any alignment, if in no span it is less than a
-// gyroscope's bias can be.
+// Returns by how much the gyroscope turns faster than the images, if in no span that is less than a
+// gyroscope's bias can be. Other axes and another clock do not change how fast it turns.
 std::optional<double> impossible_bias_rad_s(const GyroscopePath& path,
                                             const std::vector<RotationSpan>& spans) {
-    if (spans.size() < kMinSpansToTellBias) return std::nullopt;
     double smallest_rad_s = std::numeric_limits<double>::infinity();
+    std::size_t num = 0;
     for (const RotationSpan& span : spans) {
-        if (!path.covers(span.from_ns, span.to_ns)) return std::nullopt;
-        const Eigen::Vector3d rate =
-            path.rotation(span.from_ns, span.to_ns) / base::to_s(span.to_ns - span.from_ns);
-        smallest_rad_s = std::min(smallest_rad_s, (rate - span.rate_body).norm());
+        const bool is_one_turn = span.to_ns - span.from_ns <= kMaxSpanToTellBias_ns;
+        if (!is_one_turn || !path.covers(span.from_ns, span.to_ns)) continue;
+        const double rate_rad_s =
+            path.rotation(span.from_ns, span.to_ns).norm() / base::to_s(span.to_ns - span.from_ns);
+        smallest_rad_s = std::min(smallest_rad_s, std::abs(rate_rad_s - span.rate_body.norm()));
+        ++num;
     }
-    return smallest_rad_s > kImpossibleBias_rad_s ? std::optional(smallest_rad_s) : std::nullopt;
+    if (num < kMinSpansToTellBias || smallest_rad_s <= kImpossibleBias_rad_s) return std::nullopt;
+    return smallest_rad_s;
 }
 
 bool is_at_edge(const Fit& near) { return std::abs(near.offset_s) > kNearOffset_s - 0.5 * kStep_s; }
 
-// Returns the best fit beyond the end of the near offsets at which the best near one lies; nullopt
-// if it does not lie within what is searched. So few offsets fit by accident no sooner than the
-// near ones.
+// Returns the best fit beyond the end of the near offsets at which the best near one lies. Returns
+// nullopt if it lies at the end of what is searched, or is not clearly better than no offset: of a
+// rig that turns slowly, every offset fits.
 std::optional<Fit> fit_beyond(const GyroscopePath& path,
                               const std::vector<RotationSpan>& spans,
                               const Fit& near) {
-    const auto coarse =
-        best_fit(path, spans, {near.offset_s, kBeyond_s, kStep_s}, Eigen::Matrix3d::Identity());
+    const Eigen::Matrix3d as_mounted = Eigen::Matrix3d::Identity();
+    const auto coarse = best_fit(path, spans, {near.offset_s, kBeyond_s, kStep_s}, as_mounted);
     if (!coarse || std::abs(coarse->offset_s - near.offset_s) > kBeyond_s - 0.5 * kStep_s)
         return std::nullopt;
-    return best_fit(
-        path, spans, {coarse->offset_s, kStep_s, kFineStep_s}, Eigen::Matrix3d::Identity());
+    auto fine = best_fit(path, spans, {coarse->offset_s, kStep_s, kFineStep_s}, as_mounted);
+    const auto unshifted = best_fit(path, spans, {0.0, 0.0, kStep_s}, as_mounted);
+    const bool is_clear = fine && unshifted && std::abs(fine->offset_s) > kNearOffset_s &&
+                          fine->unexplained < kFits &&
+                          fine->residual_share < kMaxUnexplainedRatio * unshifted->residual_share;
+    return is_clear ? fine : std::nullopt;
 }
 
 // Returns the best fit among all offsets. Returns nullopt if it lies at an end of them, because the

@@ -12,11 +12,11 @@ namespace divemesh::imu {
 types::ImuNoise on_a_diver(const types::ImuNoise& data_sheet);
 
 // Returns `stated` with the white noise that the samples themselves show where that is larger: what
-// thrusters, a loose mount, wrong units or rows left out add. It is measured by second differences,
-// to which a diver's motion hardly contributes at 100 Hz; the variance of white noise is a sixth of
-// theirs. Each second of samples counts once, and the median of the seconds is taken. As an error
-// of interpolation shows in second differences too, samples that are too rare for the motion count
-// as noisy ones. Fewer than 30 samples show nothing.
+// thrusters, a loose mount, wrong units or rows left out add. It is measured by how far a
+// sample lies from the line through its neighbours, to which a diver's motion hardly contributes at
+// 100 Hz. Each second of samples counts once, and the median of the seconds is taken. As an error
+// of interpolation shows in these distances too, samples that are too rare for the motion count as
+// noisy ones. Fewer than 30 samples show nothing.
 types::ImuNoise at_least_measured(const std::vector<types::ImuSample>& samples,
                                   const types::ImuNoise& stated);
 

@@ -7,9 +7,16 @@
 namespace divemesh::odometry {
 namespace {
 
-// Of a motion that nothing measured, along and about each axis.
-constexpr double kSpeedSigma_m_s = 0.1;
-constexpr double kTurnSigma_rad_s = 0.1;
+// Of a motion over one second that nothing measured, along and about each axis.
+constexpr double kPositionSigma_m = 0.1;
+constexpr double kRotationSigma_rad = 0.1;
+
+// Variances of consecutive steps add up to the same, whatever the frame rate.
+types::MotionSigma sigma_of_unmeasured(const std::optional<types::KnownRotation>& rotation,
+                                       double interval_s) {
+    const double times = std::sqrt(interval_s);
+    return {times * kPositionSigma_m, rotation ? rotation->sigma_rad : times * kRotationSigma_rad};
+}
 
 }  // namespace
 
@@ -17,12 +24,14 @@ types::MotionSigma sigma_of_motion(const types::RectifiedRig& rig,
                                    const Registration& vision,
                                    const MotionGuess& motion,
                                    double interval_s) {
-    if (!vision.found)
-        return {kSpeedSigma_m_s * interval_s,
-                motion.rotation ? motion.rotation->sigma_rad : kTurnSigma_rad_s * interval_s};
+    if (!vision.found) return sigma_of_unmeasured(motion.rotation, interval_s);
     const auto covariance = motion_covariance(rig, vision.inliers, motion);
-    return {std::sqrt(covariance.bottomRightCorner<3, 3>().trace() / 3.0),
-            std::sqrt(covariance.topLeftCorner<3, 3>().trace() / 3.0)};
+    const double moved_m2 = covariance.bottomRightCorner<3, 3>().trace() / 3.0;
+    const double turned_rad2 = covariance.topLeftCorner<3, 3>().trace() / 3.0;
+    // Neither holds where the refinement failed: NaN, or not positive.
+    if (!(moved_m2 > 0.0 && turned_rad2 > 0.0 && std::isfinite(moved_m2 + turned_rad2)))
+        return sigma_of_unmeasured(motion.rotation, interval_s);
+    return {std::sqrt(moved_m2), std::sqrt(turned_rad2)};
 }
 
 }  // namespace divemesh::odometry

@@ -8,7 +8,7 @@
 namespace divemesh::odometry {
 
 // Returns how well a motion over `interval_s` is known: by step 6 over the inliers of `vision` and
-// the known rotation, or, if vision found none, as that of a diver who may have changed speed.
+// the known rotation, or, if vision found none, as a random walk of a tenth of a metre in a second.
 types::MotionSigma sigma_of_motion(const types::RectifiedRig& rig,
                                    const Registration& vision,
                                    const MotionGuess& motion,

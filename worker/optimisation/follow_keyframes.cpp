@@ -9,7 +9,8 @@
 namespace divemesh::optimisation {
 namespace {
 
-// Returns the pose between `a` and `b` whose error from `a` on has the variance `done` of `whole`.
+// Returns the pose between `a` and `b` that has the share of their difference that the variance
+// `done` has of `whole`.
 Eigen::Isometry3d blend(const Eigen::Isometry3d& a,
                         const Eigen::Isometry3d& b,
                         const MotionVariance& done,

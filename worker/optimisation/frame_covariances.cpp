@@ -49,20 +49,22 @@ std::vector<Interval> intervals(const types::Trajectory& odometry,
     return result;
 }
 
-// Returns by how much the odometry's errors exceed the variances that it states.
-MotionVariance excess(const std::vector<Interval>& intervals) {
+// Returns the variance of the odometry's errors over the one that it states; 1 if it states none.
+MotionVariance variance_ratio(const std::vector<Interval>& intervals) {
     const auto typical = [&](double MotionVariance::*part) {
-        std::vector<double> values;
-        values.reserve(intervals.size());
+        std::vector<double> ratios;
+        ratios.reserve(intervals.size());
         for (const Interval& interval : intervals)
-            values.push_back(stats::ratio(interval.missed.*part, interval.stated.back().*part));
-        return stats::upper_median(std::move(values)) * 3.0 / kMedianOfThree;
+            if (interval.stated.back().*part > 0.0)
+                ratios.push_back(interval.missed.*part / interval.stated.back().*part);
+        if (ratios.empty()) return 1.0;
+        return stats::upper_median(std::move(ratios)) * 3.0 / kMedianOfThree;
     };
     return {typical(&MotionVariance::position_m2), typical(&MotionVariance::rotation_rad2)};
 }
 
-MotionVariance scaled(const MotionVariance& times, const MotionVariance& of) {
-    return {times.position_m2 * of.position_m2, times.rotation_rad2 * of.rotation_rad2};
+MotionVariance scaled(const MotionVariance& ratio, const MotionVariance& of) {
+    return {ratio.position_m2 * of.position_m2, ratio.rotation_rad2 * of.rotation_rad2};
 }
 
 MotionVariance difference(const MotionVariance& a, const MotionVariance& b) {
@@ -99,26 +101,29 @@ types::CovarianceTrack covariances_at(const types::CovarianceTrack& covariances,
         result[frame].rotation_rad2.diagonal().array() += variance.rotation_rad2;
     };
     const auto tied = intervals(odometry, sigmas, keyframes, T_imu_cam);
-    const MotionVariance times = excess(tied);
+    const MotionVariance ratio = variance_ratio(tied);
+    // What nothing measured is no better than stated, however good the rest is.
+    const MotionVariance beyond{std::max(1.0, ratio.position_m2),
+                                std::max(1.0, ratio.rotation_rad2)};
     for (const Interval& interval : tied) {
         const MotionVariance& stated = interval.stated.back();
         const Ties ties = ties_between(odometry, breaks_ns, interval.from, interval.to);
         const MotionVariance whole{
-            std::max(times.position_m2 * stated.position_m2, interval.missed.position_m2),
-            std::max(times.rotation_rad2 * stated.rotation_rad2, interval.missed.rotation_rad2)};
+            std::max(ratio.position_m2 * stated.position_m2, interval.missed.position_m2),
+            std::max(ratio.rotation_rad2 * stated.rotation_rad2, interval.missed.rotation_rad2)};
         for (std::size_t i = interval.from + 1; i < interval.to; ++i) {
             const MotionVariance& done = interval.stated[i - interval.from];
             if (ties.broken && i < ties.end_of_first)
-                add(i, scaled(times, done));
+                add(i, scaled(beyond, done));
             else if (ties.broken && i >= ties.begin_of_second)
-                add(i, scaled(times, difference(stated, done)));
+                add(i, scaled(beyond, difference(stated, done)));
             else
                 add(i, of_bridge(whole, done, stated));
         }
     }
     const std::size_t last = frame_at(odometry, keyframes.back().timestamp_ns);
     const auto after = summed_variances(sigmas, last, odometry.size() - 1);
-    for (std::size_t i = last; i < odometry.size(); ++i) add(i, scaled(times, after[i - last]));
+    for (std::size_t i = last; i < odometry.size(); ++i) add(i, scaled(beyond, after[i - last]));
     return result;
 }
 

@@ -96,9 +96,10 @@ Finding accelerometer_not_tested() {
     return {Severity::Warning,
             "accelerometer_left_out",
             kImuTable,
-            "the scene was lost before six seconds of images could test the accelerometer. Only "
-            "the gyroscope was used",
-            "keep the scene in view for some seconds at the start of a dive"};
+            "the scene was lost before six seconds of images, three or more a second, could test "
+            "the accelerometer. Only the gyroscope was used",
+            "keep the scene in view for some seconds at the start of a dive, and record at least "
+            "four pairs a second"};
 }
 
 Finding accelerometer_left_out(double disagreement_m_s2) {
@@ -182,7 +183,8 @@ std::string cause(const imu::PressureJudgement& judgement) {
 }  // namespace
 
 std::optional<Finding> imu_noisy(const std::vector<types::ImuSample>& samples,
-                                 const types::ImuNoise& stated) {
+                                 const types::ImuNoise& stated,
+                                 bool accelerometer_used) {
     const types::ImuNoise usual = imu::on_a_diver(stated);
     const types::ImuNoise used = imu::at_least_measured(samples, usual);
     std::string of;
@@ -195,15 +197,16 @@ std::optional<Finding> imu_noisy(const std::vector<types::ImuSample>& samples,
         usual.gyroscope_noise_density,
         used.gyroscope_noise_density,
         stated.gyroscope_noise_density);
-    add("accelerometer",
-        usual.accelerometer_noise_density,
-        used.accelerometer_noise_density,
-        stated.accelerometer_noise_density);
+    if (accelerometer_used)
+        add("accelerometer",
+            usual.accelerometer_noise_density,
+            used.accelerometer_noise_density,
+            stated.accelerometer_noise_density);
     if (of.empty()) return std::nullopt;
     return Finding{Severity::Info,
                    "imu_noisy",
                    kImuTable,
-                   "the IMU's rows have more noise than sensor.yaml states (" + of +
+                   "the IMU's rows have more noise than stated or assumed (" + of +
                        "): thrusters, a loose mount, or too few rows for the motion. The larger "
                        "noise was used",
                    "fix the IMU to the cameras, keep it off motors, record all of its rows"};

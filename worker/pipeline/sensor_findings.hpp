@@ -16,6 +16,7 @@ std::vector<Finding> sensor_findings(const imu::SensorPlan& plan);
 Finding pressure_left_out(const imu::PressureJudgement& judgement);
 // Says that the samples have more noise than `stated` lets expect on a diver; nullopt: they do not.
 std::optional<Finding> imu_noisy(const std::vector<types::ImuSample>& samples,
-                                 const types::ImuNoise& stated);
+                                 const types::ImuNoise& stated,
+                                 bool accelerometer_used);
 
 }  // namespace divemesh::pipeline

@@ -18,10 +18,11 @@ void report(const base::ProgressCallback& progress,
     progress(at);
 }
 
-// Returns true if the frame has the pose of the one before it: the rig is known to rest.
+// Returns true if vision says that the frame has the pose of the one before it: the rig rests.
 bool rests(const TrackedFrame& frame) {
     constexpr double kRounding = 1e-9;
-    return frame.T_current_previous.isApprox(Eigen::Isometry3d::Identity(), kRounding);
+    return frame.by_vision &&
+           frame.T_current_previous.isApprox(Eigen::Isometry3d::Identity(), kRounding);
 }
 
 }  // namespace

@@ -238,7 +238,9 @@ types::Track track_window(types::Recording& recording,
             track.left_out = attempts.plan().left_out;
             track.findings = sensor_findings(attempts.plan());
             if (const auto& stated = recording.rig().imu_noise; stated && options.use_imu)
-                if (auto noisy = imu_noisy(imu::usable_rates(recording, track.left_out), *stated))
+                if (auto noisy = imu_noisy(imu::usable_rates(recording, track.left_out),
+                                           *stated,
+                                           !track.left_out.accelerometer))
                     track.findings.push_back(std::move(*noisy));
             return track;
         }

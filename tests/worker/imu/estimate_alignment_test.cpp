@@ -64,7 +64,7 @@ types::ImuAlignment injected(double offset_s, const Eigen::Vector3d& rotation_de
 }
 
 TEST(ImuAlignmentTest, FindsOffsetAndRotationExactlyWithoutNoise) {
-    for (const double offset_s : {-0.045, -0.008, 0.0, 0.008, 0.03}) {
+    for (const double offset_s : {-0.066, -0.045, -0.008, 0.0, 0.008, 0.03, 0.066}) {
         const types::ImuAlignment error = injected(offset_s, {0.7, -0.5, 0.5});
         const auto estimate = estimate_alignment(gyroscope(error), vision_rotations(0.0, 0.0));
 
@@ -95,7 +95,7 @@ TEST(ImuAlignmentTest, LeavesAGoodCalibrationAlone) {
 }
 
 TEST(ImuAlignmentTest, SaysNothingOfAnOffsetBeyondItsReach) {
-    for (const double offset_s : {-0.09, 0.07, 0.09})
+    for (const double offset_s : {-0.09, 0.08, 0.09})
         EXPECT_FALSE(estimate_alignment(gyroscope(injected(offset_s, Eigen::Vector3d::Zero())),
                                         vision_rotations(0.0, 0.0)))
             << offset_s;

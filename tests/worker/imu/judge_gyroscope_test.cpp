@@ -90,11 +90,49 @@ TEST(JudgeGyroscopeTest, FindsAClockThatIsOffByUpToASecond) {
 
 // Between what the alignment finds while a dive is tracked (60 ms) and what no longer fits at all.
 TEST(JudgeGyroscopeTest, FindsAClockThatIsOffByLittleMoreThanTheAlignmentFinds) {
-    for (const double offset_s : {-0.1, -0.07, 0.062, 0.07, 0.08, 0.1}) {
+    for (const double offset_s : {-0.1, -0.07, 0.066, 0.07, 0.08, 0.1}) {
         const auto judgement = judged(
             [&](types::ImuSample& sample) { sample.timestamp_ns += std::llround(1e9 * offset_s); });
         EXPECT_EQ(judgement.fit, GyroscopeFit::FitsShifted) << offset_s;
-        EXPECT_NEAR(judgement.time_offset_s, offset_s, 0.005);
+        EXPECT_NEAR(judgement.time_offset_s, offset_s, 0.005) << offset_s;
+    }
+}
+
+// Every offset fits a rig that turns slowly and evenly.
+TEST(JudgeGyroscopeTest, ARigThatSwaysSlowlyShowsNoOffset) {
+    for (std::uint32_t seed = 1; seed <= 60; ++seed) {
+        std::mt19937 random(seed);
+        std::normal_distribution<double> noise_rad_s(0.0, 0.006);
+        std::uniform_real_distribution<double> uniform(0.0, 6.0);
+        const Eigen::Vector3d phase(uniform(random), uniform(random), uniform(random));
+        const auto rate_at = [&](double t_s) {
+            return Eigen::Vector3d(0.03 * (0.9 * t_s + phase.array()).sin());
+        };
+        std::vector<types::ImuSample> samples;
+        for (int i = -300; i <= 3000; ++i) {
+            types::ImuSample sample;
+            sample.timestamp_ns = std::int64_t{5'000'000} * i;
+            sample.angular_velocity_imu = rate_at(0.005 * i);
+            samples.push_back(sample);
+        }
+        std::vector<RotationSpan> spans;
+        for (int i = 0; i < 20; ++i) {
+            const double from_s = 0.3 * i;
+            const Eigen::Vector3d noise(
+                noise_rad_s(random), noise_rad_s(random), noise_rad_s(random));
+            spans.push_back({std::llround(1e9 * from_s),
+                             std::llround(1e9 * (from_s + 0.3)),
+                             rate_at(from_s + 0.15) + noise});
+        }
+        EXPECT_NE(judge_gyroscope(samples, spans).fit, GyroscopeFit::FitsShifted) << seed;
+    }
+}
+
+TEST(JudgeGyroscopeTest, AnOffsetThatTheAlignmentFindsIsNear) {
+    for (const double offset_s : {-0.058, 0.045, 0.052, 0.058}) {
+        const auto judgement = judged(
+            [&](types::ImuSample& sample) { sample.timestamp_ns += std::llround(1e9 * offset_s); });
+        EXPECT_EQ(judgement.fit, GyroscopeFit::Fits) << offset_s;
     }
 }
 
@@ -111,6 +149,13 @@ TEST(JudgeGyroscopeTest, ABiasThatNoGyroscopeHasContradictsAfterThreeSeconds) {
     EXPECT_EQ(judgement.fault, GyroscopeFault::Biased);
     EXPECT_NEAR(judgement.bias_rad_s, 4.5, 0.3);  // the smallest difference
     EXPECT_EQ(off_by(0.3).fit, GyroscopeFit::Unknown);
+    // Of a rig that turns, a mirrored axis differs by more, but turns as fast.
+    const auto mirrored = gyroscope(0.0, [](types::ImuSample& sample) {
+        sample.angular_velocity_imu = -3.0 * sample.angular_velocity_imu;
+    });
+    auto seen = turns(0.0);
+    for (RotationSpan& span : seen) span.rate_body *= 3.0;
+    EXPECT_NE(judge_gyroscope(mirrored, seen).fault, GyroscopeFault::Biased);
 }
 
 TEST(JudgeGyroscopeTest, AClockThatIsOffByMoreIsNotTakenForOneThatIsOffByASecond) {

@@ -65,8 +65,20 @@ TEST(MeasuredNoiseTest, AStepNowAndThenIsNoNoise) {
 }
 
 TEST(MeasuredNoiseTest, ASensorTooSlowForTheMotionCountsAsNoisy) {
-    const types::ImuNoise noise = at_least_measured(swaying(5.0, kStated), kStated);
-    EXPECT_GT(noise.gyroscope_noise_density, 5.0 * kStated.gyroscope_noise_density);
+    const types::ImuNoise noise = at_least_measured(swaying(10.0, kStated), kStated);
+    EXPECT_GT(noise.gyroscope_noise_density, 3.0 * kStated.gyroscope_noise_density);
+}
+
+TEST(MeasuredNoiseTest, UnevenIntervalsAreNoNoise) {
+    std::vector<types::ImuSample> samples = swaying(100.0, {});
+    for (std::size_t i = 0; i < samples.size(); ++i) {  // 2 and 18 ms in turn, and a gap
+        const double t =
+            0.01 * static_cast<double>(i) - (i % 2 == 1 ? 0.008 : 0.0) + (i > 1000 ? 3.0 : 0.0);
+        samples[i].timestamp_ns = std::llround(1e9 * t);
+        samples[i].angular_velocity_imu = {0.3 * std::sin(2.0 * t), 0.2 * std::cos(1.3 * t), 0.1};
+    }
+    const types::ImuNoise noise = at_least_measured(samples, kStated);
+    EXPECT_EQ(noise.gyroscope_noise_density, kStated.gyroscope_noise_density);
 }
 
 TEST(MeasuredNoiseTest, FewSamplesShowNothing) {

@@ -221,11 +221,24 @@ TEST(SigmaOfMotionTest, IsTheSpreadOfTheErrorsOfFortyMotions) {
 TEST(SigmaOfMotionTest, GrowsWithTheTimeInWhichNothingWasMeasured) {
     const types::MotionSigma brief = sigma_of_motion(synthetic::rig(), {}, {}, 0.1);
     const types::MotionSigma longer = sigma_of_motion(synthetic::rig(), {}, {}, 0.4);
-    EXPECT_NEAR(longer.position_m, 4.0 * brief.position_m, 1e-12);
-    EXPECT_NEAR(longer.rotation_rad, 4.0 * brief.rotation_rad, 1e-12);
+    EXPECT_NEAR(longer.position_m, 2.0 * brief.position_m, 1e-12);
+    EXPECT_NEAR(longer.rotation_rad, 2.0 * brief.rotation_rad, 1e-12);
     MotionGuess turned;
     turned.rotation = types::KnownRotation{Eigen::Quaterniond::Identity(), 1e-4};
     EXPECT_EQ(sigma_of_motion(synthetic::rig(), {}, turned, 0.4).rotation_rad, 1e-4);
+}
+
+TEST(SigmaOfMotionTest, AMotionThatThePairsDoNotDetermineCountsAsUnmeasured) {
+    Registration motion;
+    motion.found = true;
+    synthetic::World world(1.0, 0.0, 1);
+    motion.inliers = pairs(world, 0.2);
+    MotionGuess behind;
+    behind.T_current_previous.translation().z() = -100.0;
+    const types::MotionSigma none = sigma_of_motion(synthetic::rig(), {}, {}, 0.1);
+    EXPECT_EQ(sigma_of_motion(synthetic::rig(), motion, behind, 0.1).position_m, none.position_m);
+    motion.inliers.clear();
+    EXPECT_EQ(sigma_of_motion(synthetic::rig(), motion, {}, 0.1).position_m, none.position_m);
 }
 
 TEST(RefinePoseTest, GivesTheGuessAndSaysThatItFailedWhereAPointWouldLieBehindTheCamera) {

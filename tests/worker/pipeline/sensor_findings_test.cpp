@@ -76,14 +76,14 @@ TEST(SensorFindingsTest, NoiseBeyondTheDataSheetsIsSaid) {
         // whose sigma is 4 / sqrt(6) of it.
         samples[i].angular_velocity_imu.setConstant(i % 2 == 0 ? 0.01 : -0.01);
     }
-    const auto noisy = imu_noisy(samples, stated);
+    const auto noisy = imu_noisy(samples, stated, true);
     ASSERT_TRUE(noisy);
     EXPECT_EQ(noisy->severity, Severity::Info);
     // 0.01 * 4 / sqrt(6) * sqrt(0.005 s) = 1.15e-3, 5.8 times 2e-4.
     EXPECT_NE(noisy->message.find("gyroscope 6 times"), std::string::npos) << noisy->message;
     EXPECT_EQ(noisy->message.find("accelerometer"), std::string::npos) << noisy->message;
     for (types::ImuSample& sample : samples) sample.angular_velocity_imu *= 0.1;
-    EXPECT_FALSE(imu_noisy(samples, stated));
+    EXPECT_FALSE(imu_noisy(samples, stated, true));
 }
 
 TEST(SensorFindingsTest, AnAhrsIsLeftOutForATime) {

@@ -18,6 +18,7 @@ types::Track small_track() {
         pose.T_world_imu.translate(Eigen::Vector3d(i, 0.0, 0.0));
         track.causal.push_back(pose);
     }
+    track.sigmas = {{}, {0.01, 0.002}};
     track.motions = {types::MotionSource::Nothing, types::MotionSource::Imu};
     track.breaks_ns = {1002};
     track.features = {{300, 290}, {5, 0}};
@@ -42,6 +43,8 @@ TEST(StageFiles, ATrackSurvivesTheDisk) {
     EXPECT_EQ(read->rig.T_imu_cam.matrix(), written.rig.T_imu_cam.matrix());
     ASSERT_EQ(read->causal.size(), 3U);
     EXPECT_EQ(read->causal[2].T_world_imu.matrix(), written.causal[2].T_world_imu.matrix());
+    ASSERT_EQ(read->sigmas.size(), 2U);
+    EXPECT_EQ(read->sigmas[1].rotation_rad, 0.002);
     EXPECT_EQ(read->motions, written.motions);
     EXPECT_EQ(read->breaks_ns, written.breaks_ns);
     ASSERT_EQ(read->features.size(), 2U);

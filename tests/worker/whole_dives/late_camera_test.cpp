@@ -38,6 +38,7 @@ protected:
         const auto options = make_options("standard", {{"surface", false}, {"num_threads", 1}});
         const types::Track track =
             pipeline::track(recording, options, store, base::ignore_progress);
+        EXPECT_EQ(track.sigmas.size(), track.odometry.size());
         const types::OptimisedTrack path =
             pipeline::optimise(track, recording, options, store, {}, base::ignore_progress);
         return evaluation::trajectory_error(path.trajectory, dive_->ground_truth()).ate_rmse_m;
