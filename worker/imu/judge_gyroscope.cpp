@@ -27,10 +27,10 @@ constexpr std::size_t kMinSpansToTellBias = 8;
 // Over longer spans units that are wrong turn by more than half a turn, which no rotation shows.
 constexpr std::int64_t kMaxSpanToTellBias_ns = 600'000'000;
 // Data sheets of the cheapest gyroscopes allow 0.35 rad/s.
-constexpr double kImpossibleBias_rad_s = 0.5;
+constexpr double kMaxBias_rad_s = 0.5;
 constexpr double kStep_s = 0.02;
 constexpr double kFineStep_s = 0.002;    // around the best far offset
-constexpr double kBeyond_s = 0.1;        // searched beyond the near offsets at first
+constexpr double kMaxBeyond_s = 0.1;     // searched beyond the near offsets at first
 constexpr double kMinRate_rad_s = 0.02;  // RMS; below this noise dominates
 constexpr double kNoise_rad_s = 0.008;   // of vision over a span, at worst
 constexpr double kFits = 0.1;            // unexplained shares
@@ -267,7 +267,7 @@ std::optional<double> impossible_bias_rad_s(const GyroscopePath& path,
         smallest_rad_s = std::min(smallest_rad_s, std::abs(rate_rad_s - span.rate_body.norm()));
         ++num;
     }
-    if (num < kMinSpansToTellBias || smallest_rad_s <= kImpossibleBias_rad_s) return std::nullopt;
+    if (num < kMinSpansToTellBias || smallest_rad_s <= kMaxBias_rad_s) return std::nullopt;
     return smallest_rad_s;
 }
 
@@ -280,8 +280,8 @@ std::optional<Fit> fit_beyond(const GyroscopePath& path,
                               const std::vector<RotationSpan>& spans,
                               const Fit& near) {
     const Eigen::Matrix3d as_mounted = Eigen::Matrix3d::Identity();
-    const auto coarse = best_fit(path, spans, {near.offset_s, kBeyond_s, kStep_s}, as_mounted);
-    if (!coarse || std::abs(coarse->offset_s - near.offset_s) > kBeyond_s - 0.5 * kStep_s)
+    const auto coarse = best_fit(path, spans, {near.offset_s, kMaxBeyond_s, kStep_s}, as_mounted);
+    if (!coarse || std::abs(coarse->offset_s - near.offset_s) > kMaxBeyond_s - 0.5 * kStep_s)
         return std::nullopt;
     auto fine = best_fit(path, spans, {coarse->offset_s, kStep_s, kFineStep_s}, as_mounted);
     const auto unshifted = best_fit(path, spans, {0.0, 0.0, kStep_s}, as_mounted);

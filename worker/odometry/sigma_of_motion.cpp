@@ -7,7 +7,7 @@
 namespace divemesh::odometry {
 namespace {
 
-// Of a motion over one second that nothing measured, along and about each axis.
+// A motion over one second that nothing measured errs by these along and about each axis.
 constexpr double kPositionSigma_m = 0.1;
 constexpr double kRotationSigma_rad = 0.1;
 

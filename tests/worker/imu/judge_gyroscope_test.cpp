@@ -149,7 +149,7 @@ TEST(JudgeGyroscopeTest, ABiasThatNoGyroscopeHasContradictsAfterThreeSeconds) {
     EXPECT_EQ(judgement.fault, GyroscopeFault::Biased);
     EXPECT_NEAR(judgement.bias_rad_s, 4.5, 0.3);  // the smallest difference
     EXPECT_EQ(off_by(0.3).fit, GyroscopeFit::Unknown);
-    // Of a rig that turns, a mirrored axis differs by more, but turns as fast.
+    // A gyroscope with mirrored axes differs by more from a rig that turns, but turns as fast.
     const auto mirrored = gyroscope(0.0, [](types::ImuSample& sample) {
         sample.angular_velocity_imu = -3.0 * sample.angular_velocity_imu;
     });

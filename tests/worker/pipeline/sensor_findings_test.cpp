@@ -72,7 +72,7 @@ TEST(SensorFindingsTest, NoiseBeyondTheDataSheetsIsSaid) {
     for (std::size_t i = 0; i < samples.size(); ++i) {
         samples[i].timestamp_ns = static_cast<std::int64_t>(i) * 5'000'000;
         samples[i].acceleration_imu = {0.0, 0.0, 9.81};
-        // Of alternating values the second difference is four times their size: that of white noise
+        // Alternating values have second differences of four times their size, as white noise has
         // whose sigma is 4 / sqrt(6) of it.
         samples[i].angular_velocity_imu.setConstant(i % 2 == 0 ? 0.01 : -0.01);
     }
