@@ -1,7 +1,6 @@
 #include "worker/dive/common_clock.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
@@ -15,33 +14,12 @@ std::string seconds(std::int64_t ns, int places = 3) {
     return base::fixed(base::to_s(ns), places) + " s";
 }
 
-// The rows of two tables around one step are at most a period apart, each.
-bool is_same_clock(const TableClock& a, const TableClock& b) {
-    if (a.steps.size() != b.steps.size()) return false;
-    const std::int64_t tolerance_ns = 2 * (a.period_ns + b.period_ns);
-    return std::equal(a.steps.begin(), a.steps.end(), b.steps.begin(), [&](auto& x, auto& y) {
-        return std::abs(x.shift_ns - y.shift_ns) <= tolerance_ns;
-    });
-}
-
-// Moves rows from the last step backwards, so that a step is found by its own timestamps.
-void adopt_shifts(const SteppedTable& table, const TableClock& reference) {
-    for (std::size_t k = table.clock.steps.size(); k-- > 0;) {
-        const ClockStep& step = table.clock.steps[k];
-        const auto difference_ns = [&](std::size_t i) {
-            return reference.steps[i].shift_ns - table.clock.steps[i].shift_ns;
-        };
-        table.move(step.first_after_ns + step.shift_ns,
-                   difference_ns(k) - (k > 0 ? difference_ns(k - 1) : 0));
-    }
-}
-
-void report_steps(const SteppedTable& table, FindingLog& findings) {
+void report_steps(const std::string& file, const TableClock& clock, FindingLog& findings) {
     std::int64_t shift_before_ns = 0;
-    for (const ClockStep& step : table.clock.steps) {
+    for (const ClockStep& step : clock.steps) {
         findings.warning(
             "clock_set_back",
-            table.file,
+            file,
             "the clock was set back by " + seconds(step.shift_ns - shift_before_ns) +
                 " after timestamp " + std::to_string(step.last_before_ns) +
                 ". The order of the rows is kept: timestamps from there on are moved by " +
@@ -64,20 +42,33 @@ bool pauses_between(const std::vector<types::ImuSample>& imu,
 
 }  // namespace
 
-void join_clocks(const std::vector<SteppedTable>& tables, FindingLog& findings) {
-    const auto finest =
-        std::min_element(tables.begin(), tables.end(), [](const auto& a, const auto& b) {
-            return a.clock.period_ns < b.clock.period_ns;
-        });
-    if (finest == tables.end()) return;
-    report_steps(*finest, findings);
-    for (const SteppedTable& table : tables) {
-        if (&table == &*finest) continue;
-        if (is_same_clock(table.clock, finest->clock))
-            adopt_shifts(table, finest->clock);
-        else
-            report_steps(table, findings);
+void CommonClock::add(const std::string& file, const TableClock& clock) {
+    if (clock.is_known) return;
+    report_steps(file, clock, findings_);
+    if (!known_.steps.empty()) return report_contradiction(file);
+    if (clock.steps.empty()) {
+        earlier_.emplace_back(file, clock);
+        return;
     }
+    known_ = clock;
+    known_file_ = file;
+    const std::int64_t step_ns = clock.steps.front().last_before_ns;
+    for (const auto& [earlier_file, earlier] : earlier_)
+        if (earlier.first_ns < step_ns && earlier.last_ns > step_ns)
+            report_contradiction(earlier_file);
+}
+
+void CommonClock::report_contradiction(const std::string& file) {
+    const ClockStep& step = known_.steps.front();
+    findings_.warning(
+        "clocks_disagree",
+        file,
+        "the clock of " + known_file_ + " was set back by " + seconds(step.shift_ns) +
+            ", and the timestamps of " + file +
+            " do not show it: they may be of other times than those of the other tables from " +
+            std::to_string(step.last_before_ns) + " on",
+        "Record all sensors by one clock, and do not set it during a dive. If this table has a "
+        "clock of its own, compare a motion that both show before and after.");
 }
 
 void report_pauses(const std::vector<std::int64_t>& frames_ns,

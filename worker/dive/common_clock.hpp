@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "worker/dive/clock_steps.hpp"
@@ -11,17 +11,26 @@
 
 namespace divemesh::dive {
 
-// A table whose clock was set back, already moved by the shifts of `clock`.
-struct SteppedTable {
-    std::string file;
-    TableClock clock;
-    // Adds `shift_ns` to all timestamps from `from_ns` on.
-    std::function<void(std::int64_t from_ns, std::int64_t shift_ns)> move;
-};
+// The clock that the tables of a dive share: they are moved by the same shifts, so that cameras and
+// IMU stay together. Read the table with the most rows a second first, as it shows steps best.
+class CommonClock {
+public:
+    explicit CommonClock(FindingLog& findings) : findings_(findings) {}
 
-// Gives tables of one clock the same shifts, those of the table with the most rows a second, so
-// that cameras and IMU stay together. Reports where the clock was set back and how rows were moved.
-void join_clocks(const std::vector<SteppedTable>& tables, FindingLog& findings);
+    // Returns the clock of the first table that was set back; it has no steps if none was.
+    const TableClock& known() const { return known_; }
+    // Adds a table that was moved by the shifts of `clock`, found with known(). Reports where a
+    // clock was set back and how rows were moved, and tables that contradict the known clock.
+    void add(const std::string& file, const TableClock& clock);
+
+private:
+    void report_contradiction(const std::string& file);
+
+    FindingLog& findings_;
+    TableClock known_;
+    std::string known_file_;
+    std::vector<std::pair<std::string, TableClock>> earlier_;  // files and clocks without steps
+};
 
 // Reports where frames pause for more than ten seconds: with the IMU pausing too, the clock was set
 // forward or the recorder stopped; without, the cameras stopped.

@@ -11,6 +11,7 @@
 #include "worker/dive/image_names.hpp"
 #include "worker/dive/sensor_tables.hpp"
 #include "worker/dive/sensor_yaml.hpp"
+#include "worker/dive/stamp_check.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -19,6 +20,8 @@ constexpr std::int64_t kMaxJsonBytes = std::int64_t{16} << 20;
 constexpr std::int64_t kMaxMarkersBytes = std::int64_t{4} << 20;
 constexpr const char* kSensors[] = {
     "cam0", "cam1", "imu0", "ahrs0", "pressure0", "state_groundtruth_estimate0"};
+
+std::string table_of(const std::string& sensor) { return "mav0/" + sensor + "/data.csv"; }
 
 std::size_t count_errors(const FindingLog& findings) {
     return static_cast<std::size_t>(
@@ -35,8 +38,9 @@ public:
     DiveContents read() {
         read_json();
         report_unknown_sensors();
-        read_sensors();
+        read_motion_sensors();
         read_cameras();
+        read_other_sensors();
         read_rig();
         return std::move(contents_);
     }
@@ -44,15 +48,15 @@ public:
 private:
     void read_json();
     void report_unknown_sensors();
-    void read_sensors();
+    void read_motion_sensors();
     void read_cameras();
+    void read_other_sensors();
     void read_rig();
     void to_imu_frame(const Eigen::Isometry3d& T_body_imu);
 
     std::optional<std::string> read_text(const std::string& file, std::int64_t max_bytes);
-    std::vector<CameraRow> read_camera_rows(const std::string& camera, TableClock& clock);
-    template <typename Rows>
-    void add_clock(const std::string& file, const TableClock& clock, Rows& rows);
+    std::optional<std::string> read_table(const std::string& sensor);
+    std::vector<CameraRow> read_camera_rows(const std::string& camera);
     std::optional<CalibratedCamera> read_camera(const std::string& camera);
     void report_no_calibration(const std::string& file);
     std::optional<SensorYaml> read_yaml(const std::string& file);
@@ -63,7 +67,7 @@ private:
     const DiveLimits& limits_;
     FindingLog& findings_;
     DiveContents contents_;
-    std::vector<SteppedTable> stepped_;
+    CommonClock clock_{findings_};  // of the tables read so far
 };
 
 std::optional<std::string> ContentsReader::read_text(const std::string& file,
@@ -99,54 +103,51 @@ void ContentsReader::report_unknown_sensors() {
     }
 }
 
-void ContentsReader::read_sensors() {
-    const auto text = [this](const std::string& sensor) {
-        return read_text("mav0/" + sensor + "/data.csv", limits_.max_file_bytes);
-    };
-    const auto name = [](const std::string& sensor) { return "mav0/" + sensor + "/data.csv"; };
-    TableClock clock;
-    if (const auto csv = text("imu0")) {
-        contents_.imu = parse_imu(*csv, name("imu0"), findings_, &clock);
-        add_clock(name("imu0"), clock, contents_.imu);
-    }
-    if (const auto csv = text("ahrs0")) {
-        contents_.ahrs = parse_ahrs(*csv, name("ahrs0"), findings_, &clock);
-        add_clock(name("ahrs0"), clock, contents_.ahrs);
-    }
-    if (const auto csv = text("pressure0")) {
-        contents_.pressure = parse_pressure(*csv, name("pressure0"), findings_, &clock);
-        add_clock(name("pressure0"), clock, contents_.pressure);
-    }
-    const std::string truth = "state_groundtruth_estimate0";
-    if (const auto csv = text(truth))
-        contents_.ground_truth = parse_ground_truth(*csv, name(truth), findings_);
+std::optional<std::string> ContentsReader::read_table(const std::string& sensor) {
+    return read_text(table_of(sensor), limits_.max_file_bytes);
+}
+
+// Reads what has the most rows a second: it shows best where the clock was set back.
+void ContentsReader::read_motion_sensors() {
+    if (const auto csv = read_table("imu0"))
+        contents_.imu = parse_imu(*csv, table_of("imu0"), findings_, &clock_);
+    if (const auto csv = read_table("ahrs0"))
+        contents_.ahrs = parse_ahrs(*csv, table_of("ahrs0"), findings_, &clock_);
     if (contents_.imu.empty() && contents_.ahrs.empty())
         findings_.info("imu_missing",
                        "mav0/imu0",
                        "there is no IMU, so the trajectory comes from vision alone");
 }
 
-// Notes a table whose clock was set back; `rows` has to outlive this object's reading.
-template <typename Rows>
-void ContentsReader::add_clock(const std::string& file, const TableClock& clock, Rows& rows) {
-    if (clock.steps.empty()) return;
-    stepped_.push_back({file, clock, [&rows](std::int64_t from_ns, std::int64_t shift_ns) {
-                            for (auto& row : rows)
-                                if (row.timestamp_ns >= from_ns) row.timestamp_ns += shift_ns;
-                        }});
+void ContentsReader::read_cameras() {
+    contents_.left_rows = read_camera_rows("cam0");
+    contents_.right_rows = read_camera_rows("cam1");
 }
 
-std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camera,
-                                                        TableClock& clock) {
-    const std::string file = "mav0/" + camera + "/data.csv";
+void ContentsReader::read_other_sensors() {
+    if (const auto csv = read_table("pressure0"))
+        contents_.pressure = parse_pressure(*csv, table_of("pressure0"), findings_, &clock_);
+    const std::string truth = "state_groundtruth_estimate0";
+    if (const auto csv = read_table(truth))
+        contents_.ground_truth = parse_ground_truth(*csv, table_of(truth), findings_, &clock_);
+}
+
+std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camera) {
+    const std::string file = table_of(camera);
     const auto text = read_text(file, limits_.max_file_bytes);
     const std::size_t num_errors = count_errors(findings_);
     std::vector<CameraRow> rows;
-    if (text) rows = parse_camera_rows(*text, camera, findings_, &clock);
+    if (text) rows = parse_camera_rows(*text, camera, findings_, &clock_);
     complete_image_names(rows, files_, camera, findings_);
     if (!rows.empty() || count_errors(findings_) > num_errors) return rows;
     rows = rows_by_image_names(files_, camera, findings_);
-    if (!rows.empty()) return rows;
+    if (!rows.empty()) {
+        // Names have no order but that of time: they show a step only if it is less than a period.
+        const TableClock clock = find_clock_steps(timestamps_of(rows), clock_.known());
+        take_off_steps(rows, clock);
+        clock_.add(file, clock);
+        return rows;
+    }
     if (text)
         findings_.error("dive_empty",
                         file,
@@ -163,17 +164,6 @@ std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camer
                         "images in mav0/" +
                             camera + "/data by their timestamps in nanoseconds.");
     return rows;
-}
-
-void ContentsReader::read_cameras() {
-    TableClock left_clock;
-    TableClock right_clock;
-    contents_.left_rows = read_camera_rows("cam0", left_clock);
-    contents_.right_rows = read_camera_rows("cam1", right_clock);
-    add_clock("mav0/cam0/data.csv", left_clock, contents_.left_rows);
-    add_clock("mav0/cam1/data.csv", right_clock, contents_.right_rows);
-    join_clocks(stepped_, findings_);
-    stepped_.clear();
 }
 
 std::optional<SensorYaml> ContentsReader::read_yaml(const std::string& file) {

@@ -40,23 +40,34 @@ EpipolarMoment sample_epipolar_errors(const types::Rig& rig,
     cv::goodFeaturesToTrack(left, corners, kMaxCorners, 0.01, 12.0);
     moment.num_corners = static_cast<int>(corners.size());
     if (corners.empty()) return moment;
-    std::vector<bool> found(corners.size(), true);
-    const auto in_right = track_corners(left, exposed_like(right, left), corners, found);
-    const auto in_later = track_corners(left, exposed_like(later, left), corners, found);
+    std::vector<bool> is_in_right(corners.size(), true);
+    const auto in_right = track_corners(left, exposed_like(right, left), corners, is_in_right);
+    std::vector<bool> is_in_both = is_in_right;
+    std::vector<cv::Point2f> in_later;
+    if (later.empty())
+        is_in_both.assign(corners.size(), false);
+    else
+        in_later = track_corners(left, exposed_like(later, left), corners, is_in_both);
     const StereoRays rays(rig);
     for (std::size_t i = 0; i < corners.size(); ++i) {
-        if (!found[i]) continue;
+        if (!is_in_right[i]) continue;
         const Eigen::Vector3d ray = rays.left(corners[i]);
-        const Eigen::Vector3d later_ray = rays.left(in_later[i]);
         const Eigen::Vector3d right_ray = rays.right(in_right[i]);
         const double inverse_depth = rays.inverse_depth_1_m(ray, right_ray);
-        if (!(inverse_depth > kMinInverseDepth_1_m && inverse_depth < kMaxInverseDepth_1_m))
+        if (!(inverse_depth > kMinInverseDepth_1_m && inverse_depth < kMaxInverseDepth_1_m)) {
+            ++moment.num_mismatches;
             continue;
+        }
         EpipolarSample sample;
         sample.ray = ray.head<2>();
         sample.right_ray = right_ray.head<2>() / right_ray.z();
         sample.inverse_depth_1_m = inverse_depth;
         sample.error_px = rays.epipolar_error_px(ray, right_ray);
+        if (!is_in_both[i]) {
+            moment.without_rate.push_back(sample);
+            continue;
+        }
+        const Eigen::Vector3d later_ray = rays.left(in_later[i]);
         sample.rate_px_s =
             (sample.error_px - rays.epipolar_error_px(later_ray, right_ray)) / interval_s;
         const Eigen::Vector2d flow = (later_ray - ray).head<2>() / interval_s;

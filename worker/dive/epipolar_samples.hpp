@@ -23,11 +23,14 @@ struct EpipolarSample {
 // The samples of one moment, and the number of features searched for.
 struct EpipolarMoment {
     std::vector<EpipolarSample> samples;
+    std::vector<EpipolarSample>
+        without_rate;        // found in the right image alone: rate and flow are 0
+    int num_mismatches = 0;  // found in the right image, at no possible depth
     int num_corners = 0;
 };
 
-// Follows corners of `left` into `right` and into `later`, the left image `interval_s` later.
-// Images are 8 bit grey, distorted as recorded.
+// Follows corners of `left` into `right` and into `later`, the left image `interval_s` later; an
+// empty `later` gives samples without rates. Images are 8 bit grey, distorted as recorded.
 EpipolarMoment sample_epipolar_errors(const types::Rig& rig,
                                       const cv::Mat& left,
                                       const cv::Mat& right,

@@ -60,7 +60,7 @@ std::int64_t duration_ns(const std::vector<CameraRow>& rows) {
 std::vector<CameraRow> parse_camera_rows(std::string_view text,
                                          const std::string& camera,
                                          FindingLog& findings,
-                                         TableClock* clock) {
+                                         CommonClock* clock) {
     const std::string folder = "mav0/" + camera + "/";
     StampCheck check(camera, folder + "data.csv", findings);
     std::vector<CameraRow> rows;
@@ -75,8 +75,11 @@ std::vector<CameraRow> parse_camera_rows(std::string_view text,
         lines.push_back(line);
     });
     const TableClock found = check.sort(
-        rows, lines, [](const CameraRow& a, const CameraRow& b) { return a.file == b.file; });
-    if (clock) *clock = found;
+        rows,
+        lines,
+        [](const CameraRow& a, const CameraRow& b) { return a.file == b.file; },
+        clock ? clock->known() : TableClock{});
+    if (clock) clock->add(check.file(), found);
     check.advise(advise_on_table(text, 1));
     check.report(timestamps_of(rows), kMinPeriod_s);
     return rows;

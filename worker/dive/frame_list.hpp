@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "worker/dive/clock_steps.hpp"
+#include "worker/dive/common_clock.hpp"
 #include "worker/dive/finding_log.hpp"
 
 namespace divemesh::dive {
@@ -25,11 +25,12 @@ struct FramePair {
 };
 
 // Parses a camera's data.csv; bad rows are reported as findings. Rows are in the order of time;
-// where the clock was set back they are moved, and `clock` holds the place.
+// where the clock was set back they are moved, as far as it is known with the shifts of `clock`, to
+// which the table is added.
 std::vector<CameraRow> parse_camera_rows(std::string_view text,
                                          const std::string& camera,
                                          FindingLog& findings,
-                                         TableClock* clock = nullptr);
+                                         CommonClock* clock = nullptr);
 
 // How the clock of the right camera differs from that of the left one.
 struct ClockDifference {

@@ -66,14 +66,16 @@ Measured measure(int num_frames, const std::function<LoadedPair(int index)>& loa
     return measured;
 }
 
-void report_sharpness(const Measured& measured, double share_matching, FindingLog& findings) {
+void report_sharpness(const Measured& measured,
+                      std::optional<double> share_matching,
+                      FindingLog& findings) {
     if (measured.sharpness_ratio.size() < kMinChecked) return;
     const double ratio = stats::median(measured.sharpness_ratio);
     const bool right_is_worse = ratio < kMinSharpness;
     if (!right_is_worse && ratio < 1.0 / kMinSharpness) return;
     const double times = right_is_worse ? 1.0 / ratio : ratio;
     const std::string worse = right_is_worse ? "cam1" : "cam0";
-    const bool matches = share_matching >= kHasNoMatch;
+    const bool matches = !share_matching || *share_matching >= kHasNoMatch;
     findings.add({matches ? Severity::Warning : Severity::Error,
                   "camera_unsharp",
                   "mav0/" + worse + "/data",
@@ -111,14 +113,17 @@ void report_mosaic(const Measured& measured, FindingLog& findings) {
                      "put those into the dive.");
 }
 
-void report_texture(const Measured& measured, double share_matching, FindingLog& findings) {
+void report_texture(const Measured& measured,
+                    std::optional<double> share_matching,
+                    FindingLog& findings) {
     if (measured.num_frames == 0 || measured.without_texture.empty()) return;
     const double share = static_cast<double>(measured.without_texture.size()) / measured.num_frames;
     if (share < kMinShareWithoutTexture) return;
     const bool is_all = share > kAllWithoutTexture;
     const std::string where = "between frames " + std::to_string(measured.without_texture.front()) +
                               " and " + std::to_string(measured.without_texture.back());
-    const bool has_match = share_matching >= kHasNoMatch;
+    // Images that all lack texture and have too few corners to test show nothing either.
+    const bool has_match = share_matching.value_or(0.0) >= kHasNoMatch;
     findings.add({is_all && !has_match ? Severity::Error : Severity::Warning,
                   "images_featureless",
                   "mav0/cam0/data",
@@ -132,7 +137,7 @@ void report_texture(const Measured& measured, double share_matching, FindingLog&
 
 cv::Mat check_images(int num_frames,
                      const std::function<LoadedPair(int index)>& load,
-                     double share_matching,
+                     std::optional<double> share_matching,
                      FindingLog& findings) {
     const Measured measured = measure(num_frames, load);
     report_sharpness(measured, share_matching, findings);

@@ -1,10 +1,17 @@
 #include "worker/dive/imu_clipped.hpp"
 
+#include <cstdint>
+
 #include "worker/base/text.hpp"
 #include "worker/dive/clipped_readings.hpp"
 
 namespace divemesh::dive {
 namespace {
+
+// No motion is integrated across such a gap. The rows beside clipped ones are almost at the limit,
+// so that a line between them would be the clipped reading again.
+constexpr std::int64_t kGap_ns = 200'000'000;
+constexpr const char* kLeftOut = "the motion in and next to these rows is left out";
 
 struct InertialSensor {
     std::string name;
@@ -27,6 +34,29 @@ void report(const ClippedReadings& clipped,
                      "Set the " + sensor.name + " to a larger range.");
 }
 
+// Extends runs of marked rows at both ends to a gap of kGap_ns.
+std::vector<bool> widened(const std::vector<types::ImuSample>& samples,
+                          const std::vector<bool>& is_marked) {
+    std::vector<bool> is_wide = is_marked;
+    for (std::size_t begin = 0; begin < samples.size(); ++begin) {
+        if (!is_marked[begin]) continue;
+        std::size_t end = begin;
+        while (end + 1 < samples.size() && is_marked[end + 1]) ++end;
+        const std::int64_t half_ns = (samples[end].timestamp_ns - samples[begin].timestamp_ns) / 2;
+        const std::int64_t middle_ns = samples[begin].timestamp_ns + half_ns;
+        for (std::size_t i = begin; i-- > 0;) {
+            if (middle_ns - samples[i].timestamp_ns > kGap_ns / 2) break;
+            is_wide[i] = true;
+        }
+        for (std::size_t i = end + 1; i < samples.size(); ++i) {
+            if (samples[i].timestamp_ns - middle_ns > kGap_ns / 2) break;
+            is_wide[i] = true;
+        }
+        begin = end;
+    }
+    return is_wide;
+}
+
 }  // namespace
 
 void leave_out_clipped_readings(std::vector<types::ImuSample>& samples,
@@ -36,21 +66,22 @@ void leave_out_clipped_readings(std::vector<types::ImuSample>& samples,
     const ClippedReadings rates = clipped_rates(samples);
     const ClippedReadings forces = clipped_forces(samples);
     const bool forces_are_spoilt = forces.spoil(num_rows);
-    report(rates, num_rows, file, {"gyroscope", "rad/s"}, "these rows are left out", findings);
+    report(rates, num_rows, file, {"gyroscope", "rad/s"}, kLeftOut, findings);
     report(forces,
            num_rows,
            file,
            {"accelerometer", "m/s^2"},
-           forces_are_spoilt ? "it is not used" : "these rows are left out",
+           forces_are_spoilt ? "it is not used" : kLeftOut,
            findings);
     std::vector<bool> is_clipped(num_rows, false);
     for (const std::size_t row : rates.rows) is_clipped[row] = true;
     if (!forces_are_spoilt)
         for (const std::size_t row : forces.rows) is_clipped[row] = true;
+    const std::vector<bool> is_left_out = widened(samples, is_clipped);
     std::vector<types::ImuSample> kept;
     kept.reserve(num_rows);
     for (std::size_t row = 0; row < num_rows; ++row)
-        if (!is_clipped[row]) kept.push_back(samples[row]);
+        if (!is_left_out[row]) kept.push_back(samples[row]);
     samples = std::move(kept);
 }
 

@@ -70,6 +70,10 @@ Line fit_line(const std::vector<std::pair<double, double>>& points, bool is_leve
     return line;
 }
 
+double share_fitting(const PairedFrames& frames) {
+    return frames.delay.share_fitting.value_or(0.0);
+}
+
 bool same_images(const PairedFrames& a, const PairedFrames& b) {
     return std::equal(a.pairs.begin(),
                       a.pairs.end(),
@@ -88,8 +92,7 @@ public:
     PairedFrames find() {
         const ClockDifference guess = guess_clock_difference(images_.left, images_.right);
         PairedFrames best = pair_with(guess);
-        if (!is_common_ || best.delay.share_fitting < kPlausibleShare)
-            best = search(std::move(best));
+        if (!is_common_ || share_fitting(best) < kPlausibleShare) best = search(std::move(best));
         return refine(std::move(best));
     }
 
@@ -105,17 +108,18 @@ private:
         return frames;
     }
 
-    // Measures the delay at moments spread over the dive.
+    // Measures the delay at moments spread over the dive. Where the next pair is too late for
+    // features to be found again, a moment tells only whether its pair fits.
     void measure(PairedFrames& frames) const {
         const std::vector<FramePair>& pairs = frames.pairs;
+        if (pairs.empty()) return;
         std::vector<int>& moments = frames.moments;
         std::vector<EpipolarMoment> samples;
         const int num_pairs = static_cast<int>(pairs.size());
         for (int k = 0; k < kNumMoments; ++k) {
             const int first = (2 * k + 1) * num_pairs / (2 * kNumMoments);
-            const int later = next_after(pairs, first);
-            if (later == first || (!moments.empty() && moments.back() == first)) continue;
-            samples.push_back(sample(pairs, first, later));
+            if (!moments.empty() && moments.back() == first) continue;
+            samples.push_back(sample(pairs, first, next_after(pairs, first)));
             moments.push_back(first);
         }
         frames.delay = estimate_delay(samples);
@@ -137,8 +141,9 @@ private:
         const FramePair& b = pairs[static_cast<std::size_t>(later)];
         const cv::Mat left = images_.load_left({a.timestamp_ns, a.left});
         const cv::Mat right = images_.load_right({a.right_ns, a.right});
-        const cv::Mat after = images_.load_left({b.timestamp_ns, b.left});
-        if (left.empty() || right.empty() || after.empty()) return {};
+        const cv::Mat after =
+            later == first ? cv::Mat() : images_.load_left({b.timestamp_ns, b.left});
+        if (left.empty() || right.empty()) return {};
         if (left.size() != right.size()) return {};  // refused later: calibration_resolution
         return sample_epipolar_errors(
             rig_, left, right, after, base::to_s(b.timestamp_ns - a.timestamp_ns));
@@ -175,10 +180,12 @@ private:
         PairedFrames found = pair_with(clocks);
         // At slow rates few corners are found again, however well the timestamps agree.
         if (is_common_ && same_images(found, known)) return known;
-        const double share = known.delay.share_fitting;
-        const bool is_as_good = found.delay.share_fitting > kAsGoodShare * share &&
+        const double share = share_fitting(known);
+        // Without motion from image to image all delays are 0.
+        const bool have_delays = known.delay.rate_px_s > 0.0 && found.delay.rate_px_s > 0.0;
+        const bool is_as_good = have_delays && share_fitting(found) > kAsGoodShare * share &&
                                 std::abs(found.delay.delay_s) <= std::abs(known.delay.delay_s);
-        const bool is_better = is_as_good || found.delay.share_fitting > kMinShareRatio * share;
+        const bool is_better = is_as_good || share_fitting(found) > kMinShareRatio * share;
         return is_better ? found : known;
     }
 
@@ -190,7 +197,7 @@ private:
             PairedFrames found = pair_with(*clocks);
             const bool is_same = same_images(found, known);
             const bool is_better = std::abs(found.delay.delay_s) < std::abs(known.delay.delay_s) ||
-                                   found.delay.share_fitting > known.delay.share_fitting;
+                                   share_fitting(found) > share_fitting(known);
             if (is_same) known.clocks = *clocks;
             if (is_same || !is_better) return known;
             known = std::move(found);
@@ -246,7 +253,8 @@ void use_right_clock(PairedFrames& frames) {
 PairedFrames pair_frames(const CameraImages& images, const types::Rig& rig) {
     if (images.left.empty() || images.right.empty()) return {};
     PairedFrames frames = PairFinder(images, rig).find();
-    if (!frames.clocks.is_zero() && frames.delay.share_fitting < kMinShare) frames.pairs.clear();
+    const auto share = frames.delay.share_fitting;
+    if (!frames.clocks.is_zero() && share && *share < kMinShare) frames.pairs.clear();
     return frames;
 }
 

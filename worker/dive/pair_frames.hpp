@@ -30,7 +30,9 @@ struct PairedFrames {
 
 // Pairs the images of two cameras. Where timestamps of both do not agree, or the images contradict
 // them, it searches for the difference of the clocks: by the motion of both images over time, then
-// by how features leave their epipolar lines as they move; a drift too, if the dive shows it.
+// by how features leave their epipolar lines as they move; a drift too, if the dive shows it. There
+// are no pairs if the clocks differ and the images contradict; images that show too little to tell
+// are paired by their timestamps.
 PairedFrames pair_frames(const CameraImages& images, const types::Rig& rig);
 
 // Gives the pairs the timestamps of the right clock, where the other sensors follow that.

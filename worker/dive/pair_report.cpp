@@ -28,17 +28,22 @@ void report_no_pair(const CameraImages& images, FindingLog& findings) {
                    "difference, for example from a flash that both cameras see.");
 }
 
+// Says how well the images confirm the difference of the clocks.
+std::string confirmation_of(const StereoDelay& delay) {
+    if (delay.is_determined)
+        return "; the images confirm it to " + base::fixed(std::max(1.0, 2e3 * delay.sigma_s), 0) +
+               " ms";
+    if (!delay.share_fitting) return "; the images show too little to confirm it";
+    return "; left and right images match, but move too little, or too far from one to the next, "
+           "to measure it";
+}
+
 void report_clocks(const PairedFrames& frames, FindingLog& findings) {
     if (frames.clocks.is_zero()) return;
     const auto& clocks = frames.clocks;
     const double start_s = base::to_s(clocks.offset_ns);
     const double end_s = start_s + clocks.drift * base::to_s(frames.pairs.back().timestamp_ns -
                                                              frames.pairs.front().timestamp_ns);
-    const std::string confirmed =
-        frames.delay.is_determined
-            ? "; the images confirm it to " +
-                  base::fixed(std::max(1.0, 2e3 * frames.delay.sigma_s), 0) + " ms"
-            : "; the images move too little to confirm it";
     const std::string what = clocks.drift == 0.0
                                  ? "there is a constant difference of " + base::fixed(start_s, 3) +
                                        " s between the clocks of the cameras"
@@ -49,11 +54,17 @@ void report_clocks(const PairedFrames& frames, FindingLog& findings) {
     findings.warning("camera_clocks_differ",
                      kRightRows,
                      what + " (right minus left). Images are paired using this difference" +
-                         confirmed +
+                         confirmation_of(frames.delay) +
                          (frames.has_right_clock
                               ? "; frames have the timestamps of cam1, as the IMU follows those"
                               : ""),
                      "Set both cameras by one clock, or trigger them together.");
+    if (!frames.delay.share_fitting)
+        findings.warning("pairs_unconfirmed",
+                         kRightRows,
+                         "images are paired by their timestamps alone: they show too few features "
+                         "to tell whether left and right ones are of the same time",
+                         "Trigger both cameras together, and keep the bottom or the wall in view.");
 }
 
 // Says what a delay does: the rig moves on, so the baseline seems longer or shorter.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 #include "worker/dive/csv.hpp"
 #include "worker/dive/imu_clipped.hpp"
@@ -12,12 +13,16 @@
 #include "worker/dive/imu_zeros.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/quantile.hpp"
 
 namespace divemesh::dive {
 namespace {
 
 constexpr double kMinPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds give far shorter periods
-constexpr double kAboveSurface_m = -1.0;     // waves and a zero that drifts stay below this
+constexpr double kAboveSurface_m = -1.0;  // waves and a zero that drifts stay below this
+constexpr double kMaxDepth_m = 11000.0;
+constexpr double kMinPressure_mbar = 900.0;  // of the air 1000 m above the sea
+constexpr double kMaxChange_m_s = 2.0;       // of a vehicle's depth
 constexpr double kMaxGravityError = 0.6;     // m/s^2, of a median of accelerations
 constexpr double kMaxDiverRate_rad_s = 3.0;  // a median above it is no diver's
 constexpr double kMaxReading = 1e9;  // above every sensor's range in any unit; squares stay finite
@@ -57,7 +62,7 @@ std::optional<double> value_at(std::span<const std::string_view> fields,
 template <std::size_t N, typename Sample, typename Use>
 std::vector<Sample> read_samples(std::string_view text,
                                  StampCheck& check,
-                                 TableClock* clock,
+                                 CommonClock* clock,
                                  const Use& use) {
     std::vector<Sample> samples;
     std::vector<std::int64_t> lines;
@@ -79,9 +84,12 @@ std::vector<Sample> read_samples(std::string_view text,
         samples.push_back(*sample);
         lines.push_back(line);
     });
-    const TableClock found =
-        check.sort(samples, lines, [](const Sample& a, const Sample& b) { return is_same(a, b); });
-    if (clock) *clock = found;
+    const TableClock found = check.sort(
+        samples,
+        lines,
+        [](const Sample& a, const Sample& b) { return is_same(a, b); },
+        clock ? clock->known() : TableClock{});
+    if (clock) clock->add(check.file(), found);
     check.advise(advise_on_table(text, N));
     check.report(timestamps_of(samples), kMinPeriod_s);
     return samples;
@@ -150,6 +158,49 @@ void check_imu_units(const std::vector<types::ImuSample>& samples,
                        "Write rates in rad/s.");
 }
 
+// Returns the change of depth per second that nine in ten changes over a second do not exceed, m/s.
+double fast_change_m_s(const std::vector<types::PressureSample>& samples) {
+    constexpr std::int64_t kOver_ns = 1'000'000'000;
+    std::vector<double> changes_m_s;
+    std::size_t from = 0;
+    for (const types::PressureSample& sample : samples) {
+        if (sample.timestamp_ns - samples[from].timestamp_ns < kOver_ns) continue;
+        changes_m_s.push_back(std::abs(sample.depth_m - samples[from].depth_m) /
+                              base::to_s(sample.timestamp_ns - samples[from].timestamp_ns));
+        while (sample.timestamp_ns - samples[from].timestamp_ns >= kOver_ns) ++from;
+    }
+    return stats::upper_quantile(std::move(changes_m_s), 0.9);
+}
+
+// Reports numbers that are those of a pressure in mbar, about 1013 at the surface. Depths of a deep
+// vehicle may be as large, but do not change as fast. Returns true if it reported any.
+bool check_millibars(const std::vector<types::PressureSample>& samples,
+                     const std::string& file,
+                     FindingLog& findings) {
+    std::vector<double> values;
+    values.reserve(samples.size());
+    for (const types::PressureSample& sample : samples) values.push_back(sample.depth_m);
+    const double low = stats::lower_quantile(values, 0.05);
+    const double median = stats::upper_median(std::move(values));
+    if (low < kMinPressure_mbar || median > kMaxDepth_m) return false;
+    const std::string seen = "the median depth is " + base::fixed(median, 0) + " m";
+    const std::string remedy =
+        "Write the depth in m: (mbar - 1013.25) / 100.5 in sea water, / 98.1 in fresh water.";
+    const double change_m_s = fast_change_m_s(samples);
+    if (change_m_s > kMaxChange_m_s)
+        findings.error("pressure_units",
+                       file,
+                       seen + " and changes by up to " + base::fixed(change_m_s, 0) +
+                           " m a second; this looks like a pressure in mbar (hPa)",
+                       remedy);
+    else
+        findings.info(
+            "pressure_units",
+            file,
+            seen + "; if the dive was not as deep, this is a pressure in mbar (hPa). " + remedy);
+    return true;
+}
+
 // Checks the unit and the sign of depths.
 void check_depths(const std::vector<types::PressureSample>& samples,
                   const std::string& file,
@@ -159,9 +210,10 @@ void check_depths(const std::vector<types::PressureSample>& samples,
             return is_wrong(s.depth_m);
         });
     };
-    const auto num_absurd = num_where([](double d) { return d < -20.0 || d > 11000.0; });
+    const auto num_absurd = num_where([](double d) { return d < -20.0 || d > kMaxDepth_m; });
     const auto num_above = num_where([](double d) { return d < kAboveSurface_m && d > -11000.0; });
     const std::string of = " of " + std::to_string(samples.size()) + " depths are ";
+    if (check_millibars(samples, file, findings)) return;
     if (num_above > 0 && num_above * 20 >= std::ssize(samples) * 19)
         return findings.warning(
             "pressure_sign",
@@ -191,7 +243,7 @@ std::optional<Eigen::Quaterniond> unit_quaternion(double w, double x, double y, 
 std::vector<types::ImuSample> parse_imu(std::string_view text,
                                         const std::string& file,
                                         FindingLog& findings,
-                                        TableClock* clock) {
+                                        CommonClock* clock) {
     StampCheck check("imu", file, findings);
     auto samples = read_samples<kImuValues, types::ImuSample>(
         text, check, clock, [](std::int64_t timestamp_ns, const auto& v) {
@@ -208,7 +260,7 @@ std::vector<types::ImuSample> parse_imu(std::string_view text,
 std::vector<types::OrientationSample> parse_ahrs(std::string_view text,
                                                  const std::string& file,
                                                  FindingLog& findings,
-                                                 TableClock* clock) {
+                                                 CommonClock* clock) {
     StampCheck check("ahrs", file, findings);
     return read_samples<4, types::OrientationSample>(
         text,
@@ -224,7 +276,7 @@ std::vector<types::OrientationSample> parse_ahrs(std::string_view text,
 std::vector<types::PressureSample> parse_pressure(std::string_view text,
                                                   const std::string& file,
                                                   FindingLog& findings,
-                                                  TableClock* clock) {
+                                                  CommonClock* clock) {
     StampCheck check("pressure", file, findings);
     auto samples = read_samples<1, types::PressureSample>(
         text, check, clock, [](std::int64_t timestamp_ns, const auto& v) {
@@ -236,12 +288,13 @@ std::vector<types::PressureSample> parse_pressure(std::string_view text,
 
 types::Trajectory parse_ground_truth(std::string_view text,
                                      const std::string& file,
-                                     FindingLog& findings) {
+                                     FindingLog& findings,
+                                     CommonClock* clock) {
     StampCheck check("ground_truth", file, findings);
     return read_samples<7, types::StampedPose>(
         text,
         check,
-        nullptr,
+        clock,
         [](std::int64_t timestamp_ns, const auto& v) -> std::optional<types::StampedPose> {
             const auto q = unit_quaternion(v[3], v[4], v[5], v[6]);
             if (!q || Eigen::Vector3d(v[0], v[1], v[2]).norm() > 1e7) return std::nullopt;

@@ -29,10 +29,14 @@ public:
     void count_not_finite(std::int64_t line) { count(not_finite_, line); }
 
     // Sorts rows that are given in the order of the file, each with its line. Rows after the clock
-    // was set back are moved behind those before. Of rows with one timestamp the first is kept;
-    // `is_same` returns true if two of them hold the same values.
+    // was set back are moved behind those before, with the steps of the `known` clock where the
+    // table shows them. Of rows with one timestamp the first is kept; `is_same` returns true if two
+    // of them hold the same values.
     template <typename Row, typename IsSame>
-    TableClock sort(std::vector<Row>& rows, std::vector<std::int64_t> lines, const IsSame& is_same);
+    TableClock sort(std::vector<Row>& rows,
+                    std::vector<std::int64_t> lines,
+                    const IsSame& is_same,
+                    const TableClock& known = {});
 
     // Notes what seems wrong with the format, for the findings that refuse the table.
     void advise(TableAdvice advice) { advice_ = std::move(advice); }
@@ -104,18 +108,26 @@ std::vector<std::int64_t> timestamps_of(const std::vector<Row>& rows) {
     return timestamps_ns;
 }
 
-template <typename Row, typename IsSame>
-TableClock StampCheck::sort(std::vector<Row>& rows,
-                            std::vector<std::int64_t> lines,
-                            const IsSame& is_same) {
-    drop_doubles(rows, lines, is_same);
-    TableClock clock = find_clock_steps(timestamps_of(rows));
+// Moves the rows after each step of their clock behind those before; rows are in the order of the
+// file.
+template <typename Row>
+void take_off_steps(std::vector<Row>& rows, const TableClock& clock) {
     for (std::size_t k = 0; k < clock.steps.size(); ++k) {
         const bool is_last = k + 1 == clock.steps.size();
         const std::size_t end = is_last ? rows.size() : clock.steps[k + 1].first_row;
         for (std::size_t i = clock.steps[k].first_row; i < end; ++i)
             rows[i].timestamp_ns += clock.steps[k].shift_ns;
     }
+}
+
+template <typename Row, typename IsSame>
+TableClock StampCheck::sort(std::vector<Row>& rows,
+                            std::vector<std::int64_t> lines,
+                            const IsSame& is_same,
+                            const TableClock& known) {
+    drop_doubles(rows, lines, is_same);
+    TableClock clock = find_clock_steps(timestamps_of(rows), known);
+    take_off_steps(rows, clock);
     put_in_order(rows, lines, clock.period_ns);
     return clock;
 }

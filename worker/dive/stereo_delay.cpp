@@ -15,6 +15,9 @@ constexpr int kIterations = 12;
 constexpr double kMinScale_px = 0.3;  // the noise of tracking
 constexpr double kTukeyScales = 4.0;  // beyond this many scales a sample has no weight
 constexpr double kFits_px = 2.0;
+constexpr double kFitsAlone_px = 4.0;  // without rates, the motion during a delay is not taken off
+// Of the corners of cameras that match, a quarter and more fit: of 50, ten are expected.
+constexpr int kMinCorners = 50;
 constexpr std::size_t kMinSamples = 100;
 constexpr std::size_t kMinMoments = 4;
 constexpr std::size_t kMinSamplesOfMoment = 15;
@@ -143,6 +146,33 @@ double misalignment_rms_px(const Model& model, const std::vector<EpipolarSample>
     return std::sqrt(squares / static_cast<double>(samples.size()));
 }
 
+std::int64_t count_fitting(const Model& model,
+                           const std::vector<EpipolarSample>& samples,
+                           double tolerance_px) {
+    return std::count_if(samples.begin(), samples.end(), [&](const EpipolarSample& s) {
+        return std::abs(residual_px(model, s)) < tolerance_px;
+    });
+}
+
+// Returns the share of the corners that fit the geometry of their pair, whatever moves. A corner
+// that is tracked into an image of another time or scene lies behind the cameras as often as in
+// front of them, and anywhere across its line: for two that do not fit, at most one fits by chance.
+double share_fitting_alone(const std::vector<EpipolarMoment>& moments, int num_corners) {
+    std::vector<EpipolarSample> samples;
+    std::int64_t num_unfit = 0;
+    for (const EpipolarMoment& moment : moments) {
+        samples.insert(samples.end(), moment.samples.begin(), moment.samples.end());
+        samples.insert(samples.end(), moment.without_rate.begin(), moment.without_rate.end());
+        num_unfit += moment.num_mismatches;
+    }
+    for (EpipolarSample& s : samples) s.rate_px_s = 0.0;
+    const std::int64_t num_fitting = count_fitting(fit(samples).model, samples, kFitsAlone_px);
+    num_unfit += std::ssize(samples) - num_fitting;
+    const double num_beyond_chance =
+        static_cast<double>(num_fitting) - 0.5 * static_cast<double>(num_unfit);
+    return std::max(0.0, num_beyond_chance) / num_corners;
+}
+
 template <typename Get>
 double median_abs(const std::vector<EpipolarSample>& samples, const Get& get) {
     std::vector<double> values;
@@ -165,6 +195,8 @@ StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
         num_corners += moment.num_corners;
         samples.insert(samples.end(), moment.samples.begin(), moment.samples.end());
     }
+    if (num_corners >= kMinCorners)
+        result.share_fitting = share_fitting_alone(moments, num_corners);
     if (samples.size() < kMinSamples) return result;
     const Fit fitted = fit(samples);
     const Model& model = fitted.model;
@@ -173,11 +205,9 @@ StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
     result.rate_px_s = median_abs(samples, [](const EpipolarSample& s) { return s.rate_px_s; });
     result.flow_px_s = median_abs(samples, [](const EpipolarSample& s) { return s.flow_px_s; });
     result.speed_m_s = median_abs(samples, [](const EpipolarSample& s) { return s.speed_m_s; });
-    const auto num_fitting =
-        std::count_if(samples.begin(), samples.end(), [&](const EpipolarSample& s) {
-            return std::abs(residual_px(model, s)) < kFits_px;
-        });
-    result.share_fitting = static_cast<double>(num_fitting) / std::max(1, num_corners);
+    const auto num_fitting = static_cast<double>(count_fitting(model, samples, kFits_px));
+    result.share_fitting =
+        std::max(result.share_fitting.value_or(0.0), num_fitting / std::max(1, num_corners));
     std::size_t num_moments = 0;
     for (const EpipolarMoment& moment : moments) {
         const bool has_enough = moment.samples.size() >= kMinSamplesOfMoment;

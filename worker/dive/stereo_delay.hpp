@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "worker/dive/epipolar_samples.hpp"
@@ -11,12 +12,15 @@ namespace divemesh::dive {
 // delay.
 struct StereoDelay {
     double delay_s = 0.0;
-    double sigma_s = 0.0;        // one standard deviation, from the scatter between moments
-    double share_fitting = 0.0;  // of the corners: found in the right image, and as predicted
-    double spread_px = 0.0;      // median distance from the prediction, all samples
-    double rate_px_s = 0.0;      // median of the absolute rates: what the delay is measured by
-    double flow_px_s = 0.0;      // median of the absolute flow along the baseline
-    double speed_m_s = 0.0;      // median
+    double sigma_s = 0.0;  // one standard deviation, from the scatter between moments
+    // Of the corners: found in the right image, and as predicted. The larger of two shares: by the
+    // motion of the corners, and by the pairs alone, as slow cameras do not show corners again.
+    // nullopt: too few corners to tell.
+    std::optional<double> share_fitting;
+    double spread_px = 0.0;  // median distance from the prediction, all samples
+    double rate_px_s = 0.0;  // median of the absolute rates: what the delay is measured by
+    double flow_px_s = 0.0;  // median of the absolute flow along the baseline
+    double speed_m_s = 0.0;  // median
     // Enough features move across the lines, and the last step was below the standard deviation.
     bool is_determined = false;
     std::vector<double> by_moment_s;  // one of each moment; NaN where it has too few features

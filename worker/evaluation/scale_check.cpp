@@ -3,143 +3,18 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "worker/evaluation/trajectory_pairs.hpp"
-#include "worker/imu/preintegration.hpp"
 #include "worker/stats/distributions.hpp"
 
 namespace divemesh::evaluation {
 namespace {
 
-constexpr std::int64_t kWindow_ns = 2'000'000'000;
-constexpr std::int64_t kMaxGap_ns = 150'000'000;  // of samples or frames in a window
-constexpr std::ptrdiff_t kWindowsOfOneBias = 60;
-// Windows that overlap by half share white noise: twice the correlation of sin^4 and cos^4.
-constexpr double kOverlap = 1.0 + 2.0 * 3.0 / 70.0;
-// Separates gravity and bias if the rig never rotates. The prior on gravity has about its true
-// uncertainty, so that its pull is negligible beside the residuals of a short dive.
-constexpr double kWeakPrior = 1e-6;
 constexpr std::int64_t kPressureBin_ns = 500'000'000;
 constexpr std::size_t kMinBins = 20;
 constexpr double kMaxCorrelation = 0.95;
 constexpr double kContradicts_sigmas = 3.0;
 constexpr double kTapeSigma_m = 0.002;
-
-// A window's equation: accelerated = s seen + unknowns, see the header.
-struct Equation {
-    // Integral w (R a + g) dt, with g as known.
-    Eigen::Vector3d accelerated = Eigen::Vector3d::Zero();
-    Eigen::Vector3d seen = Eigen::Vector3d::Zero();  // integral w'' p dt
-    Eigen::Matrix<double, 3, 6> unknowns =
-        Eigen::Matrix<double, 3, 6>::Zero();  // of the deviation of g, and of b
-};
-
-struct Window {
-    std::int64_t start_ns = 0;
-
-    double phase(std::int64_t time_ns) const {
-        return std::numbers::pi * static_cast<double>(time_ns - start_ns) / kWindow_ns;
-    }
-    double weight(std::int64_t time_ns) const { return std::pow(std::sin(phase(time_ns)), 4); }
-    double second_derivative(std::int64_t time_ns) const {  // 1/s^2
-        const double rate = std::numbers::pi / (1e-9 * kWindow_ns);
-        const double s = std::sin(phase(time_ns)), c = std::cos(phase(time_ns));
-        return rate * rate * (12.0 * s * s * c * c - 4.0 * s * s * s * s);
-    }
-    std::int64_t end_ns() const { return start_ns + kWindow_ns; }
-};
-
-// The entries within a window, with their weights in a trapezoidal sum; w is zero at both ends.
-// Empty if there is a gap among them.
-template <typename Entry>
-struct Covered {
-    const Entry* first = nullptr;
-    std::vector<double> weights_s;
-};
-template <typename Entry>
-Covered<Entry> covered(const std::vector<Entry>& entries, const Window& window) {
-    const auto before = [](const Entry& entry, std::int64_t time) {
-        return entry.timestamp_ns < time;
-    };
-    const auto begin = std::lower_bound(entries.begin(), entries.end(), window.start_ns, before);
-    const auto end = std::lower_bound(begin, entries.end(), window.end_ns() + 1, before);
-    if (begin == end) return {};
-    Covered<Entry> result{&*begin, {}};
-    std::int64_t last_ns = window.start_ns;
-    for (auto entry = begin; entry != end; ++entry) {
-        const std::int64_t next_ns =
-            std::next(entry) == end ? window.end_ns() : std::next(entry)->timestamp_ns;
-        if (entry->timestamp_ns - last_ns > kMaxGap_ns ||
-            next_ns - entry->timestamp_ns > kMaxGap_ns)
-            return {};
-        result.weights_s.push_back(0.5e-9 * static_cast<double>(next_ns - last_ns));
-        last_ns = entry->timestamp_ns;
-    }
-    return result;
-}
-
-std::optional<Equation> equation(const std::vector<types::ImuSample>& imu,
-                                 const types::Trajectory& trajectory,
-                                 const Window& window) {
-    const auto frames = covered(trajectory, window);
-    const auto samples = covered(imu, window);
-    if (frames.weights_s.empty() || samples.weights_s.empty()) return std::nullopt;
-    Equation result;
-    const types::StampedPose& from = frames.first[0];
-    const types::StampedPose& to = frames.first[frames.weights_s.size() - 1];
-    const Eigen::Vector3d way = to.T_world_imu.translation() - from.T_world_imu.translation();
-    for (std::size_t i = 0; i < frames.weights_s.size(); ++i) {
-        const types::StampedPose& frame = frames.first[i];
-        // A uniform motion does not contribute to w''; removing it reduces the numerical error of
-        // the sum.
-        const double share = static_cast<double>(frame.timestamp_ns - from.timestamp_ns) /
-                             static_cast<double>(to.timestamp_ns - from.timestamp_ns);
-        result.seen +=
-            frames.weights_s[i] * window.second_derivative(frame.timestamp_ns) *
-            (frame.T_world_imu.translation() - from.T_world_imu.translation() - share * way);
-    }
-    for (std::size_t i = 0; i < samples.weights_s.size(); ++i) {
-        const types::ImuSample& sample = samples.first[i];
-        const double weight_s = samples.weights_s[i] * window.weight(sample.timestamp_ns);
-        if (weight_s == 0.0) continue;
-        const auto T_world_imu = pose_at(trajectory, sample.timestamp_ns);
-        if (!T_world_imu) return std::nullopt;
-        result.accelerated += weight_s * (T_world_imu->linear() * sample.acceleration_imu -
-                                          imu::kGravity_m_s2 * Eigen::Vector3d::UnitZ());
-        result.unknowns.leftCols<3>() -= weight_s * Eigen::Matrix3d::Identity();
-        result.unknowns.rightCols<3>() += weight_s * T_world_imu->linear();
-    }
-    return result;
-}
-
-// Information of several equations with common gravity and bias about the scale: sums of squares
-// and products of the part that gravity and bias do not explain.
-struct Information {
-    double seen_seen = 0.0;
-    double seen_own = 0.0;
-    double own_own = 0.0;
-    double degrees_of_freedom = 0.0;
-
-    double variance() const {
-        return (own_own - seen_own * seen_own / seen_seen) / degrees_of_freedom * kOverlap;
-    }
-};
-
-Information without_gravity_and_bias(const Equation* first, std::ptrdiff_t num) {
-    Eigen::Matrix<double, 6, 6> A = kWeakPrior * Eigen::Matrix<double, 6, 6>::Identity();
-    Eigen::Matrix<double, 6, 2> B = Eigen::Matrix<double, 6, 2>::Zero();
-    Eigen::Matrix2d C = Eigen::Matrix2d::Zero();
-    for (const Equation* e = first; e != first + num; ++e) {
-        Eigen::Matrix<double, 3, 2> known;
-        known << e->seen, e->accelerated;
-        A += e->unknowns.transpose() * e->unknowns;
-        B += e->unknowns.transpose() * known;
-        C += known.transpose() * known;
-    }
-    const Eigen::Matrix2d left = C - B.transpose() * A.ldlt().solve(B);
-    return {left(0, 0), left(0, 1), left(1, 1), static_cast<double>(3 * num - 7)};
-}
 
 // Means of a bin: depth, and the path's -z, x and y.
 struct DepthBin {
@@ -195,31 +70,6 @@ double sigma_between_m(double length_m, const PathError& path) {
 }
 
 }  // namespace
-
-std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<types::ImuSample>& imu,
-                                                 const types::Trajectory& trajectory) {
-    if (imu.empty() || trajectory.empty()) return std::nullopt;
-    std::vector<Equation> equations;
-    for (Window window{trajectory.front().timestamp_ns};
-         window.end_ns() <= trajectory.back().timestamp_ns;
-         window.start_ns += kWindow_ns / 2)
-        if (const auto found = equation(imu, trajectory, window)) equations.push_back(*found);
-    const auto num = static_cast<std::ptrdiff_t>(equations.size());
-    const std::ptrdiff_t num_groups = std::max<std::ptrdiff_t>(1, num / kWindowsOfOneBias);
-    double information = 0.0;
-    double weighted = 0.0;
-    for (std::ptrdiff_t group = 0; group < num_groups; ++group) {
-        const std::ptrdiff_t begin = num * group / num_groups;
-        const std::ptrdiff_t size = num * (group + 1) / num_groups - begin;
-        if (3 * size < 14) return std::nullopt;
-        const Information left = without_gravity_and_bias(equations.data() + begin, size);
-        if (left.seen_seen <= 0.0 || left.variance() <= 0.0) continue;
-        information += left.seen_seen / left.variance();
-        weighted += left.seen_own / left.variance();
-    }
-    if (information <= 0.0) return std::nullopt;
-    return ScaleCheck{weighted / information, 1.0 / std::sqrt(information)};
-}
 
 std::optional<ScaleCheck> scale_by_pressure(const std::vector<types::PressureSample>& pressure,
                                             const types::Trajectory& trajectory,

@@ -91,11 +91,12 @@ ScaleSources scale_sources(const LengthData& lengths,
         for (const char* name : {"accelerometer", "pressure"})
             collector.leave_out(name, "the dive has several segments");
     } else {
-        collector.add("accelerometer",
-                      scale_by_accelerometer(lengths.imu, trajectory),
-                      accelerometer_sigma(lengths.imu, trajectory),
-                      lengths.imu.empty() ? "the dive has no IMU, or its accelerometer is not used"
-                                          : "the IMU covers too little of the dive without a gap");
+        const auto by_accelerometer = scale_by_accelerometer(lengths.imu, trajectory);
+        collector.add(
+            "accelerometer",
+            by_accelerometer,
+            accelerometer_sigma(lengths.imu, trajectory),
+            by_accelerometer ? "" : why_no_scale_by_accelerometer(lengths.imu, trajectory));
         collector.add(
             "pressure",
             scale_by_pressure(

@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/core.hpp>
+#include <sstream>
 #include <string>
 #include <utility>
 
@@ -32,6 +34,17 @@ protected:
         for (int i = -10; i < 100; ++i)
             rows += std::to_string(TinyDive::kFirst_ns + i * period_ns) + "," + values + "\n";
         tiny_.write(kImuRows, rows);
+    }
+    // Writes a reading a second that swings by `swing` around `middle`.
+    void write_pressure(double middle,
+                        double swing,
+                        std::int64_t first = TinyDive::kFirst_ns,
+                        std::int64_t second = 1'000'000'000) const {
+        std::string rows;
+        for (int i = -20; i < 40; ++i)
+            rows += std::to_string(first + i * second) + "," +
+                    std::to_string(middle + swing * std::sin(0.5 * i)) + "\n";
+        tiny_.write("mav0/pressure0/data.csv", rows);
     }
 
     const TemporaryFolder folder_;
@@ -199,6 +212,35 @@ TEST_F(BadRecordingTest, OneRepeatedImuStampIsOnlyAWarning) {
                 HasFinding(Severity::Warning, "imu_timestamp_repeated", "imu0/data.csv:112"));
 }
 
+// One image was taken before, and 20 readings of the IMU.
+TEST_F(BadRecordingTest, AClockThatWasSetBackAtTheStartMovesAllTablesTogether) {
+    const std::string truth = "mav0/state_groundtruth_estimate0/data.csv";
+    for (const std::string file : {kCam0Rows, kCam1Rows, kImuRows, truth.c_str()}) {
+        std::istringstream rows(tiny_.read(file));
+        std::string written;
+        for (std::string row; std::getline(rows, row);) {
+            const std::size_t comma = row.find(',');
+            const bool is_after =
+                row[0] != '#' && std::stoll(row) >= TinyDive::kFirst_ns + 50'000'000LL;
+            written += is_after ? std::to_string(std::stoll(row) - 60'000'000'000LL) +
+                                      row.substr(comma) + "\n"
+                                : row + "\n";
+        }
+        tiny_.write(file, written);
+    }
+
+    const auto told = report();
+
+    EXPECT_EQ(told.num_frames, TinyDive::kNumFrames);
+    EXPECT_NEAR(told.duration_s, 0.4, 1e-9);
+    EXPECT_THAT(told.findings, HasFinding(Severity::Warning, "clock_set_back", kImuRows));
+    for (const Finding& finding : told.findings) {
+        EXPECT_NE(finding.code, "clocks_disagree") << finding.where;
+        EXPECT_FALSE(finding.code.ends_with("_partial")) << finding.where;
+        EXPECT_FALSE(finding.code.ends_with("_no_overlap")) << finding.where;
+    }
+}
+
 TEST_F(BadRecordingTest, LeftAndRightWithoutOverlapAreRefused) {
     std::string rows;
     for (int i = 0; i < TinyDive::kNumFrames; ++i)
@@ -314,6 +356,53 @@ TEST_F(BadRecordingTest, DepthsWrittenAsNegativeNumbersAreTold) {
     tiny_.write("mav0/pressure0/data.csv", rows);
 
     EXPECT_THAT(findings(), HasFinding(Severity::Warning, "pressure_sign", "5 of 5 depths"));
+}
+
+TEST_F(BadRecordingTest, PressuresInMillibarsAreRefused) {
+    write_pressure(1813.0, 30.0);
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "pressure_units", "mbar"));
+
+    write_pressure(7.9, 0.3);
+    EXPECT_THAT(findings(), testing::Not(HasFinding(Severity::Error, "pressure_units", "")));
+}
+
+TEST_F(BadRecordingTest, DepthsOfADeepVehicleAreTaken) {
+    write_pressure(1813.0, 0.5);
+
+    const auto told = findings();
+
+    EXPECT_THAT(told, HasFinding(Severity::Info, "pressure_units", "if the dive was not as deep"));
+    EXPECT_FALSE(has_error(told)) << testing::PrintToString(told);
+}
+
+TEST_F(BadRecordingTest, MicrosecondsOfASlowSensorAreToldByTheImages) {
+    write_pressure(7.9, 0.3, TinyDive::kFirst_ns / 1000, 1'000'000);
+    std::string truth;
+    for (int i = -1; i < 10; ++i)
+        truth += std::to_string(TinyDive::kFirst_ns / 1000 + i * 50'000) + ",0,0,0,1,0,0,0\n";
+    tiny_.write("mav0/state_groundtruth_estimate0/data.csv", truth);
+
+    const auto told = findings();
+
+    for (const std::string sensor : {"pressure", "ground_truth"}) {
+        EXPECT_THAT(told, HasFinding(Severity::Error, sensor + "_timestamp_unit", "microseconds"));
+        EXPECT_THAT(told, testing::Not(HasFinding(Severity::Warning, sensor + "_no_overlap", "")));
+    }
+}
+
+TEST_F(BadRecordingTest, AUnitThatThePeriodTellsIsToldOnce) {
+    write_pressure(7.9, 0.3, TinyDive::kFirst_ns / 1'000'000'000, 1);
+
+    const auto told = findings();
+
+    EXPECT_EQ(std::count_if(told.begin(),
+                            told.end(),
+                            [](const Finding& finding) {
+                                return finding.code == "pressure_timestamp_unit" ||
+                                       finding.code == "pressure_no_overlap";
+                            }),
+              1)
+        << testing::PrintToString(told);
 }
 
 TEST_F(BadRecordingTest, StampsInMillisecondsAreRefused) {

@@ -6,6 +6,11 @@
 #include <cmath>
 #include <random>
 
+#include "tests/worker/dive/finding_matcher.hpp"
+#include "worker/base/seconds.hpp"
+#include "worker/dive/imu_clipped.hpp"
+#include "worker/imu/imu_steps.hpp"
+
 namespace divemesh::dive {
 namespace {
 
@@ -81,6 +86,31 @@ TEST(ClippedReadingsTest, AnAxisThatIsClippedMostOfTheTimeIsFound) {
     const ClippedReadings forces = clipped_forces(samples);
     EXPECT_GT(forces.rows.size(), samples.size() / 2);
     EXPECT_TRUE(clipped_rates(samples).rows.empty());
+}
+
+// Three shakes beyond the range, of 20 ms each.
+TEST(ClippedReadingsTest, NoMotionIsIntegratedAcrossRowsThatAreLeftOut) {
+    for (const bool is_gyroscope : {true, false}) {
+        auto samples = swaying(0.0);
+        const std::size_t num_rows = samples.size();
+        for (const std::size_t first : {1000, 2000, 3000})
+            for (std::size_t i = first; i < first + 4; ++i)
+                (is_gyroscope ? samples[i].angular_velocity_imu : samples[i].acceleration_imu).x() =
+                    30.0;
+        FindingLog findings;
+
+        leave_out_clipped_readings(samples, "data.csv", findings);
+
+        EXPECT_THAT(findings.all(), HasFinding(Severity::Warning, "imu_clipped", "12 of 6000"));
+        EXPECT_LT(num_rows - samples.size(), 130U);
+        const auto integrates = [&](double from_s, double to_s) {
+            return !imu::for_each_step(
+                samples, base::to_ns(from_s), base::to_ns(to_s), [](auto&&...) {});
+        };
+        for (const double clipped_s : {5.0, 10.0, 15.0})
+            EXPECT_FALSE(integrates(clipped_s - 0.2, clipped_s + 0.2)) << clipped_s;
+        EXPECT_TRUE(integrates(5.2, 9.8));
+    }
 }
 
 }  // namespace

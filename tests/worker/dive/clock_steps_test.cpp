@@ -2,10 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "tests/worker/dive/finding_matcher.hpp"
 #include "worker/dive/common_clock.hpp"
 #include "worker/dive/frame_list.hpp"
 #include "worker/dive/sensor_tables.hpp"
+#include "worker/dive/stamp_check.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -26,6 +29,38 @@ std::string camera_csv(const std::vector<std::int64_t>& stamps_ns) {
     for (std::size_t i = 0; i < stamps_ns.size(); ++i)
         text += std::to_string(stamps_ns[i]) + "," + std::to_string(i) + ".png\n";
     return text;
+}
+
+// When rows were recorded: every `period_ms` in a part of a dive.
+std::vector<std::int64_t> times(int period_ms, int begin_ms, int end_ms) {
+    std::vector<std::int64_t> times_ns;
+    for (int t = begin_ms; t < end_ms; t += period_ms)
+        times_ns.push_back((1'000'000 + std::int64_t{t}) * kMillisecond_ns);
+    return times_ns;
+}
+
+// A clock that is set back by `back_ms` when the dive is `at_ms` old.
+struct SetBack {
+    int at_ms = 0;
+    int back_ms = 0;
+
+    std::vector<std::int64_t> written(std::vector<std::int64_t> times_ns) const {
+        for (std::int64_t& t : times_ns)
+            if (t >= (1'000'000 + std::int64_t{at_ms}) * kMillisecond_ns)
+                t -= back_ms * kMillisecond_ns;
+        return times_ns;
+    }
+    // As the table of an IMU of 200 Hz shows it.
+    TableClock by_imu() const { return find_clock_steps(written(times(5, 0, 100'000))); }
+};
+
+// Returns timestamps as they are once the steps of a clock are taken off.
+std::vector<std::int64_t> moved(const std::vector<std::int64_t>& stamps_ns,
+                                const TableClock& clock) {
+    std::vector<CameraRow> rows;
+    for (const std::int64_t stamp_ns : stamps_ns) rows.push_back({stamp_ns, ""});
+    take_off_steps(rows, clock);
+    return timestamps_of(rows);
 }
 
 std::string imu_row(std::int64_t stamp_ns, const std::string& values) {
@@ -61,9 +96,118 @@ TEST(ClockStepsTest, RowsOutOfOrderAreNoStep) {
     EXPECT_TRUE(find_clock_steps(blocks).steps.empty());
 }
 
+TEST(ClockStepsTest, SwappedRowsDoNotHideAStep) {
+    std::vector<std::int64_t> stamps = stamps_set_back(60, 2000);
+    std::swap(stamps[20], stamps[21]);
+    std::swap(stamps[80], stamps[81]);
+
+    const TableClock clock = find_clock_steps(stamps);
+
+    ASSERT_EQ(clock.steps.size(), 1U);
+    EXPECT_EQ(clock.steps[0].first_row, 60U);
+    EXPECT_EQ(clock.steps[0].shift_ns, 2000 * kMillisecond_ns);
+}
+
+TEST(ClockStepsTest, AFewWrongTimestampsAreNoStep) {
+    std::vector<std::int64_t> stamps = stamps_set_back(100, 0);
+    stamps[40] -= 1050 * kMillisecond_ns;
+    EXPECT_TRUE(find_clock_steps(stamps).steps.empty());
+
+    stamps[41] -= 1050 * kMillisecond_ns;
+    EXPECT_TRUE(find_clock_steps(stamps).steps.empty());
+}
+
+TEST(ClockStepsTest, AStepAfterAFewRowsOfACameraIsThatOfTheImu) {
+    const SetBack set_back{1000, 60'000};
+    const auto images = times(200, 0, 100'000);
+    ASSERT_EQ(set_back.by_imu().steps.size(), 1U);
+
+    const TableClock clock = find_clock_steps(set_back.written(images), set_back.by_imu());
+
+    EXPECT_TRUE(clock.is_known);
+    EXPECT_EQ(moved(set_back.written(images), clock), images);
+}
+
+TEST(ClockStepsTest, AStepShorterThanThePeriodOfACameraIsThatOfTheImu) {
+    for (const int back_ms : {60, 400, 500, 700}) {
+        const SetBack set_back{20'300, back_ms};
+        auto images = times(500, 0, 100'000);
+        for (std::size_t i = 0; i < images.size(); i += 3) images[i] += kMillisecond_ns;  // jitter
+
+        const TableClock clock = find_clock_steps(set_back.written(images), set_back.by_imu());
+
+        EXPECT_TRUE(clock.is_known) << back_ms;
+        EXPECT_EQ(moved(set_back.written(images), clock), images) << back_ms;
+    }
+}
+
+TEST(ClockStepsTest, ATableMayBeginAfterAStepOrEndBeforeIt) {
+    const SetBack set_back{1000, 60'000};
+    for (const auto& [begin_ms, end_ms] : {std::pair(3000, 50'000), std::pair(0, 900)}) {
+        const auto images = times(100, begin_ms, end_ms);
+
+        const TableClock clock = find_clock_steps(set_back.written(images), set_back.by_imu());
+
+        EXPECT_TRUE(clock.is_known) << begin_ms;
+        EXPECT_EQ(moved(set_back.written(images), clock), images) << begin_ms;
+    }
+}
+
+TEST(ClockStepsTest, TwoStepsAreFoundInASlowTable) {
+    const SetBack first{1000, 60'000};
+    const SetBack second{30'000, 700};
+    const auto written = [&](const std::vector<std::int64_t>& times_ns) {
+        auto stamps_ns = first.written(times_ns);
+        const auto again = second.written(times_ns);
+        for (std::size_t i = 0; i < stamps_ns.size(); ++i) stamps_ns[i] += again[i] - times_ns[i];
+        return stamps_ns;
+    };
+    const auto depths = times(1000, 300, 100'000);
+    const TableClock imu = find_clock_steps(written(times(5, 0, 100'000)));
+    ASSERT_EQ(imu.steps.size(), 2U);
+
+    const TableClock clock = find_clock_steps(written(depths), imu);
+
+    EXPECT_TRUE(clock.is_known);
+    EXPECT_EQ(moved(written(depths), clock), depths);
+}
+
+TEST(ClockStepsTest, ATableWithAClockOfItsOwnIsNotMovedAndIsTold) {
+    for (const int back_ms : {400, 60'000}) {
+        const SetBack set_back{20'300, back_ms};
+        FindingLog log;
+        CommonClock common(log);
+        common.add("imu0", set_back.by_imu());
+
+        const TableClock clock = find_clock_steps(times(500, 0, 100'000), common.known());
+        common.add("cam0", clock);
+
+        EXPECT_TRUE(clock.steps.empty()) << back_ms;
+        EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "clocks_disagree", "cam0"));
+    }
+}
+
+TEST(ClockStepsTest, TheTruthIsMovedAsTheOtherTables) {
+    const SetBack set_back{10'000, 60'000};
+    FindingLog log;
+    CommonClock clock(log);
+    clock.add("imu0", set_back.by_imu());
+    auto poses = times(50, 0, 9500);  // it misses a second
+    const auto later = times(50, 10'500, 100'000);
+    poses.insert(poses.end(), later.begin(), later.end());
+    std::string text;
+    for (const std::int64_t stamp_ns : set_back.written(poses))
+        text += std::to_string(stamp_ns) + "," + std::to_string(text.size()) + ",0,0,1,0,0,0\n";
+
+    const auto truth = parse_ground_truth(text, "truth", log, &clock);
+
+    EXPECT_EQ(timestamps_of(truth), poses);
+}
+
 TEST(ClockStepsTest, RowsOfACameraAfterTheStepKeepTheirOrderAndTheirFiles) {
     FindingLog log;
-    TableClock clock;
+    FindingLog clock_log;
+    CommonClock clock(clock_log);
 
     const auto rows = parse_camera_rows(camera_csv(stamps_set_back(60, 2000)), "cam0", log, &clock);
 
@@ -72,7 +216,7 @@ TEST(ClockStepsTest, RowsOfACameraAfterTheStepKeepTheirOrderAndTheirFiles) {
         EXPECT_EQ(rows[i].file, "mav0/cam0/data/" + std::to_string(i) + ".png");
         EXPECT_EQ(rows[i].timestamp_ns, stamps_set_back(100, 0)[i]);
     }
-    EXPECT_EQ(clock.steps.size(), 1U);
+    EXPECT_EQ(clock.known().steps.size(), 1U);
     EXPECT_TRUE(log.all().empty());
 }
 
@@ -110,26 +254,29 @@ TEST(ClockStepsTest, DoubledRowsAreUsedOnceAndContradictingRowsAreRefused) {
     EXPECT_THAT(log.all(), HasFinding(Severity::Error, "imu_timestamp_repeated", "other values"));
 }
 
-TEST(ClockStepsTest, TablesOfOneClockAreMovedByTheShiftOfTheFinest) {
+TEST(ClockStepsTest, AStepThatTablesShareIsToldOnce) {
     FindingLog log;
-    const TableClock camera{100, {{60, 5900, 3900, 2100}}};
-    const TableClock imu{5, {{1200, 5995, 3996, 2004}}};
-    std::int64_t moved_from = 0;
-    std::int64_t moved_by = 0;
+    CommonClock clock(log);
+    const SetBack set_back{20'300, 2000};
 
-    join_clocks({{"cam0",
-                  camera,
-                  [&](std::int64_t from, std::int64_t by) {
-                      moved_from = from;
-                      moved_by = by;
-                  }},
-                 {"imu0", imu, [](std::int64_t, std::int64_t) { FAIL(); }}},
-                log);
+    clock.add("imu0", set_back.by_imu());
+    for (const char* camera : {"cam0", "cam1"})
+        clock.add(camera, find_clock_steps(set_back.written(times(100, 0, 90'000)), clock.known()));
 
-    EXPECT_EQ(moved_from, 6000);
-    EXPECT_EQ(moved_by, -96);
     ASSERT_EQ(log.all().size(), 1U);
     EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "clock_set_back", "imu0"));
+}
+
+TEST(ClockStepsTest, AnImuThatWasNotSetBackWithTheCamerasIsTold) {
+    FindingLog log;
+    CommonClock clock(log);
+    const SetBack set_back{20'300, 2000};
+
+    clock.add("imu0", find_clock_steps(times(5, 0, 100'000)));
+    clock.add("cam0", find_clock_steps(set_back.written(times(100, 0, 90'000)), clock.known()));
+
+    EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "clock_set_back", "cam0"));
+    EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "clocks_disagree", "imu0"));
 }
 
 TEST(ClockStepsTest, ReportsWhetherTheImuRecordedDuringAPause) {

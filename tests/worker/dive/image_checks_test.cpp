@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "tests/worker/dive/finding_matcher.hpp"
 #include "worker/dive/fixed_pattern.hpp"
@@ -49,7 +50,9 @@ cv::Mat water(int frame) {
 
 using Render = std::function<cv::Mat(int frame)>;
 
-std::vector<Finding> findings_of(const Render& left, const Render& right, double share = 0.5) {
+std::vector<Finding> findings_of(const Render& left,
+                                 const Render& right,
+                                 std::optional<double> share = 0.5) {
     FindingLog log;
     check_images(
         kNumFrames,
@@ -91,6 +94,8 @@ TEST(ImageChecksTest, AFoggedOrDefocusedCameraIsNamed) {
                 HasFinding(Severity::Warning, "camera_unsharp", "cam0"));
     EXPECT_THAT(findings_of(healthy, fogged, 0.0),
                 HasFinding(Severity::Error, "camera_unsharp", "cam1"));
+    EXPECT_THAT(findings_of(healthy, fogged, std::nullopt),
+                HasFinding(Severity::Warning, "camera_unsharp", "cam1"));
 }
 
 // A camera that is dead still reads noise, which has more fine detail than a scene.

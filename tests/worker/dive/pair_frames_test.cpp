@@ -36,9 +36,9 @@ types::Rig rig() {
 // A rig that swims over a textured wall, by a path that does not repeat itself.
 class Wall {
 public:
-    Wall() {
+    explicit Wall(std::uint64_t seed = 7) {
         cv::Mat noise(kHeight_px + 2 * kMargin_px, kWidth_px + 2 * kMargin_px, CV_8UC1);
-        cv::RNG random(7);
+        cv::RNG random(seed);
         random.fill(noise, cv::RNG::UNIFORM, 0, 255);
         cv::GaussianBlur(noise, texture_, {}, 1.5);
         cv::normalize(texture_, texture_, 20, 235, cv::NORM_MINMAX);
@@ -70,6 +70,7 @@ private:
 // What really happened: when the images were exposed, and what the clocks said.
 struct Recorded {
     int num_frames = 80;
+    double period_s = kPeriod_s;
     double right_late_s = 0.0;   // exposure of the right images after the left ones
     double right_clock_s = 0.0;  // difference of its clock at the start
     double right_drift = 0.0;
@@ -80,7 +81,7 @@ protected:
     CameraImages record(const Recorded& recorded) const {
         CameraImages images;
         for (int i = 0; i < recorded.num_frames; ++i) {
-            const double left_s = i * kPeriod_s;
+            const double left_s = i * recorded.period_s;
             const double right_s = left_s + recorded.right_late_s;
             const double right_stamp_s =
                 right_s + recorded.right_clock_s + recorded.right_drift * right_s;
@@ -225,6 +226,93 @@ TEST_F(PairFramesTest, ImagesThatShowNothingConfirmNoDifference) {
     EXPECT_TRUE(frames.pairs.empty());
     EXPECT_THAT(report(frames, images).all(),
                 HasFinding(Severity::Error, "left_right_no_overlap", "cam1"));
+}
+
+// After a second few features are found again, or none: the pairs are tested by themselves.
+class SlowPairFramesTest : public PairFramesTest {
+protected:
+    static Recorded slow(int num_frames = 40) {
+        Recorded recorded;
+        recorded.num_frames = num_frames;
+        recorded.period_s = 1.0;
+        recorded.right_clock_s = 0.02;
+        return recorded;
+    }
+};
+
+TEST_F(SlowPairFramesTest, AConstantDifferenceOfTheTimestampsIsTakenOff) {
+    for (const int num_frames : {40, 2}) {
+        const CameraImages images = record(slow(num_frames));
+
+        const PairedFrames frames = pair_frames(images, rig());
+
+        EXPECT_EQ(std::ssize(frames.pairs), num_frames);
+        EXPECT_LT(max_apart_s(frames), 1e-6);
+        EXPECT_NEAR(static_cast<double>(frames.clocks.offset_ns), 0.02e9, 1e3);
+        EXPECT_GT(frames.delay.share_fitting.value_or(0.0), 0.25);
+        const auto told = report(frames, images).all();
+        EXPECT_FALSE(has_error(told));
+        EXPECT_THAT(told, HasFinding(Severity::Warning, "camera_clocks_differ", "images match"));
+    }
+}
+
+TEST_F(SlowPairFramesTest, ImagesThroughAFoggedPortStillMatch) {
+    CameraImages images = record(slow());
+    images.load_right = [this](const CameraRow& row) {
+        cv::Mat fogged;
+        cv::GaussianBlur(wall_.seen_at(std::stod(row.file), kBaseline_m), fogged, {}, 1.5);
+        fogged.convertTo(fogged, CV_8U, 0.4, 130.0);
+        return fogged;
+    };
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.pairs.size(), 40U);
+    EXPECT_GT(frames.delay.share_fitting.value_or(0.0), 0.1);
+}
+
+TEST_F(SlowPairFramesTest, ImagesOfTwoScenesAreRefused) {
+    const Wall other(8);
+    CameraImages images = record(slow());
+    images.load_right = [&other](const CameraRow& row) {
+        return other.seen_at(std::stod(row.file), kBaseline_m);
+    };
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_TRUE(frames.pairs.empty());
+    EXPECT_TRUE(frames.delay.share_fitting.has_value());
+    EXPECT_THAT(report(frames, images).all(),
+                HasFinding(Severity::Error, "left_right_no_overlap", "cam1"));
+}
+
+// The right camera began three seconds later, and its clock tells nothing.
+TEST_F(SlowPairFramesTest, ImagesOfOtherTimesAreNotPaired) {
+    Recorded recorded = slow();
+    recorded.right_clock_s = -1.2e9;
+    CameraImages images = record(recorded);
+    images.right.erase(images.right.begin(), images.right.begin() + 3);
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_LT(max_apart_s(frames), 0.5);
+}
+
+TEST_F(PairFramesTest, ImagesThatCannotBeTestedArePairedByTheirTimestampsWithAWarning) {
+    Recorded recorded;
+    recorded.right_clock_s = 0.02;
+    CameraImages images = record(recorded);
+    images.load_left = images.load_right = [](const CameraRow&) {
+        return cv::Mat(kHeight_px, kWidth_px, CV_8UC1, cv::Scalar(90));
+    };
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.pairs.size(), 80U);
+    EXPECT_FALSE(frames.delay.share_fitting.has_value());
+    const auto told = report(frames, images).all();
+    EXPECT_FALSE(has_error(told));
+    EXPECT_THAT(told, HasFinding(Severity::Warning, "pairs_unconfirmed", "timestamps alone"));
 }
 
 TEST(MotionProfileTest, ALagIsFoundAndARepeatedMotionIsNotClear) {

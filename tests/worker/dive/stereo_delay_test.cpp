@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <random>
+#include <utility>
 
 #include "worker/dive/stereo_rays.hpp"
 
@@ -109,6 +110,43 @@ TEST(StereoDelayTest, FindsTheDelayOfAMisalignedCamera) {
                     << "pitch " << pitch_deg << ", roll " << roll_deg << ", " << delay_s << " s";
                 EXPECT_NEAR(delay.delay_s, delay_s, 0.25 * std::abs(delay_s) + 5e-4);
             }
+}
+
+// Returns what a camera sees that is too slow for features to be found in its next image.
+std::vector<EpipolarMoment> without_later_images(std::vector<EpipolarMoment> moments) {
+    for (EpipolarMoment& moment : moments) {
+        for (EpipolarSample& sample : moment.samples) sample.rate_px_s = 0.0;
+        moment.without_rate = std::move(moment.samples);
+        moment.samples.clear();
+    }
+    return moments;
+}
+
+TEST(StereoDelayTest, PairsAreTestedWithoutMotion) {
+    auto moments = without_later_images(driving({.pitch_deg = 0.4}));
+    const StereoDelay matching = estimate_delay(moments);
+    EXPECT_GT(matching.share_fitting.value_or(0.0), 0.9);
+    EXPECT_FALSE(matching.is_determined);
+
+    std::mt19937 random(5);
+    std::uniform_real_distribution<double> anywhere_px(-30.0, 30.0);
+    for (EpipolarMoment& moment : moments) {
+        for (EpipolarSample& sample : moment.without_rate) sample.error_px = anywhere_px(random);
+        moment.num_mismatches = 150;
+        moment.num_corners = 300;
+    }
+    const StereoDelay other = estimate_delay(moments);
+    ASSERT_TRUE(other.share_fitting.has_value());
+    EXPECT_LT(*other.share_fitting, 0.05);
+}
+
+TEST(StereoDelayTest, AFewCornersTellNothing) {
+    EpipolarMoment moment;
+    moment.num_corners = 40;
+    EXPECT_FALSE(estimate_delay({moment}).share_fitting.has_value());
+
+    moment.num_corners = 60;
+    EXPECT_EQ(estimate_delay({moment}).share_fitting, 0.0);
 }
 
 }  // namespace

@@ -105,6 +105,34 @@ TEST(ScaleSourcesTest, AnAccelerometerWhoseGravityIsWrongCorrectsNothing) {
     EXPECT_TRUE(scale_correction(dive.sources().usable, kCamerasSigma));
 }
 
+TEST(ScaleSourcesTest, AnAccelerometerThatSaysNoScaleSaysWhy) {
+    const auto says = [](const std::string& reason, const auto& change) {
+        UpAndDown dive(1.0);
+        dive.data.imu = forces(1.0);
+        change(dive);
+        return left_out(dive.sources(), "scale.accelerometer", reason);
+    };
+    const auto keep_frames = [](UpAndDown& dive, const auto& is_kept) {
+        types::Trajectory kept;
+        for (std::size_t i = 0; i < dive.trajectory.size(); ++i)
+            if (is_kept(i)) kept.push_back(dive.trajectory[i]);
+        dive.trajectory = kept;
+    };
+    EXPECT_TRUE(says("no IMU", [](UpAndDown& dive) { dive.data.imu.clear(); }));
+    EXPECT_TRUE(says("frames are further apart than 0.6 s", [&](UpAndDown& dive) {
+        keep_frames(dive, [](std::size_t i) { return i % 10 == 0; });
+    }));
+    EXPECT_TRUE(says("shorter than the 6.0 s", [&](UpAndDown& dive) {
+        keep_frames(dive, [](std::size_t i) { return i < 50; });
+    }));
+    EXPECT_TRUE(says("frames of the path are missing", [&](UpAndDown& dive) {
+        keep_frames(dive, [](std::size_t i) { return i % 10 != 1 && i % 10 != 2; });
+    }));
+    EXPECT_TRUE(says("the IMU covers too little", [](UpAndDown& dive) {
+        dive.data.imu.resize(600);  // three seconds
+    }));
+}
+
 TEST(ScaleSourcesTest, SegmentsHaveNoMotionInCommon) {
     UpAndDown dive(1.0);
     dive.data.markers = ScaleCheck{0.99, 0.002};
