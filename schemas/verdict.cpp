@@ -23,6 +23,8 @@ struct Row {
 constexpr Row kRows[] = {
     {"tracking_lost",               "path"},
     {"dive_in_segments",            "path"},
+    {"images_unusable",             "path"},
+    {"clocks_disagree",             "path"},
     {"drift_may_be_large",          "path"},
     {"loops_not_taken",             "path"},
     {"loops_not_converged",         "path"},

@@ -283,17 +283,22 @@ void CalibrationProblem::add_odometry(ceres::Problem& problem) {
 }
 
 void CalibrationProblem::add_priors(ceres::Problem& problem, const FreeUnknowns& free) {
+    const auto add_around =
+        [&](const Eigen::VectorXd& mean, const Eigen::VectorXd& sigmas, double* block) {
+            const Eigen::MatrixXd weights = sigmas.cwiseInverse().asDiagonal();
+            problem.AddResidualBlock(new ceres::NormalPrior(weights, mean), nullptr, block);
+        };
     const auto add = [&](double* block, const Eigen::VectorXd& sigmas) {
-        const Eigen::MatrixXd weights = sigmas.cwiseInverse().asDiagonal();
-        problem.AddResidualBlock(
-            new ceres::NormalPrior(weights, Eigen::VectorXd::Zero(sigmas.size())), nullptr, block);
+        add_around(Eigen::VectorXd::Zero(sigmas.size()), sigmas, block);
     };
     add(unknowns_.lenses.data(), prior_sigmas_);
     if (!free.lenses) problem.SetParameterBlockConstant(unknowns_.lenses.data());
     add(&unknowns_.readout_time_s, Eigen::VectorXd::Constant(1, kReadoutSigma_s));
     if (!free.readout_time) problem.SetParameterBlockConstant(&unknowns_.readout_time_s);
     if (!problem.HasParameterBlock(&unknowns_.time_offset_s)) return;
-    add(&unknowns_.time_offset_s, Eigen::VectorXd::Constant(1, kOffsetSigma_s));
+    add_around(Eigen::VectorXd::Constant(1, track_.imu_alignment.time_offset_s),
+               Eigen::VectorXd::Constant(1, kOffsetSigma_s),
+               &unknowns_.time_offset_s);
     add(unknowns_.misalignment.data(), Eigen::Vector3d::Constant(kRotationSigma_rad));
     for (State& state : states_) {
         if (!problem.HasParameterBlock(state.gyroscope_bias_imu.data())) continue;

@@ -38,6 +38,7 @@ void take_imu(const CalibrationProblem& problem, types::RefinedCalibration& resu
     result.rotation_sigma_rad = sigmas.misalignment.diagonal().cwiseMax(0.0).cwiseSqrt();
     result.time_offset_applied =
         std::abs(found.time_offset_s) > std::max(kMinOffset_s, kSignificant * sigmas.time_offset_s);
+    if (!result.time_offset_applied) result.tracked_time_offset_s = 0.0;  // there is none
     result.rotation_applied = found.misalignment.norm() > kMinRotation_rad &&
                               significant(found.misalignment, sigmas.misalignment);
 }
@@ -113,9 +114,11 @@ CalibrationRefinement refine_calibration(const types::Track& track,
                                          const imu::InertialPrior& inertial,
                                          const base::ProgressCallback& progress,
                                          const Progress& at) {
-    if (track.keyframes.size() < kMinCalibrationKeyframes || track.landmarks.empty()) return {};
     CalibrationRefinement refinement;
     types::RefinedCalibration& result = refinement.calibration;
+    result.tracked_time_offset_s = track.imu_alignment.time_offset_s;
+    if (track.keyframes.size() < kMinCalibrationKeyframes || track.landmarks.empty())
+        return refinement;
     CalibrationProblem problem(track, recording, inertial);
     const auto solved = [&](const FreeUnknowns& free) {
         refinement.solves.push_back(problem.solve(free, progress, at));

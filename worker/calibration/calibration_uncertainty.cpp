@@ -163,8 +163,9 @@ double of_medium(const types::RigAlignment& alignment) {
 double of_time_offset(const types::Rig& rig, const types::RefinedCalibration& calibration) {
     if (!rig.imu_noise) return 0.0;
     if (calibration.time_offset_sigma_s <= 0.0) return kTimeOffsetSigma_s;
-    return std::hypot(calibration.time_offset_sigma_s,
-                      calibration.time_offset_applied ? 0.0 : calibration.imu.time_offset_s);
+    return std::hypot(
+        calibration.time_offset_sigma_s,
+        calibration.imu.time_offset_s - calibration.applied_alignment().time_offset_s);
 }
 
 }  // namespace

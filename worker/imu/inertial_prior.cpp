@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
@@ -19,6 +20,9 @@ constexpr double kAhrsDrift_rad_per_s = 3e-3;    // its slow error in motion
 // With a larger error in gravity the accelerometer is not used.
 constexpr double kWrongGravity_m_s2 = 0.6;
 constexpr double kVisionRotationSigma_rad = 5e-4;  // of one frame's rotation from vision
+
+constexpr double kDepthTimeConstant_s = 2.5;  // of waves and of a slow sensor
+constexpr double kUsualDepthChange_m = 0.03;  // the error of a change, by kUsualDepthSigma_m
 
 // Over longer intervals the error of the bias, and of the vertical with it, is no longer small.
 constexpr std::int64_t kMaxIntegration_ns = 8'000'000'000;
@@ -140,6 +144,15 @@ std::optional<double> InertialPrior::depth_m(std::int64_t time_ns) const {
            around->share * (around->after->depth_m - around->before->depth_m);
 }
 
+// A Gauss-Markov error is represented by white noise whose variance is multiplied by twice its time
+// constant over the interval.
+double InertialPrior::depth_sigma_m(double interval_s) const {
+    if (pressure_error_m_ <= kUsualDepthChange_m) return kUsualDepthSigma_m;
+    const double times = 2.0 * kDepthTimeConstant_s / std::max(0.1, interval_s);
+    return std::hypot(kUsualDepthSigma_m,
+                      pressure_error_m_ / std::numbers::sqrt2 * std::sqrt(std::max(1.0, times)));
+}
+
 SensorReadings InertialPrior::readings(std::int64_t from_ns, std::int64_t to_ns) const {
     SensorReadings readings;
     readings.interval_s = base::to_s(to_ns - from_ns);
@@ -147,6 +160,7 @@ SensorReadings InertialPrior::readings(std::int64_t from_ns, std::int64_t to_ns)
     if (!readings.motion) readings.rotation = integral(from_ns, to_ns);
     readings.q_ahrs_imu = absolute(to_ns);
     readings.depth_m = depth_m(to_ns);
+    readings.depth_sigma_m = depth_sigma_m(readings.interval_s);
     return readings;
 }
 

@@ -18,6 +18,7 @@ namespace divemesh::imu {
 
 constexpr double kInitialGyroscopeBiasSigma = 0.1;      // rad/s, for a cheap sensor
 constexpr double kInitialAccelerometerBiasSigma = 0.1;  // m/s^2
+constexpr double kUsualDepthSigma_m = 0.02;             // of the pressure, with the waves above
 
 // The sensors' measurements at one time, and of the motion to it from an earlier time.
 struct SensorReadings {
@@ -26,6 +27,7 @@ struct SensorReadings {
     std::optional<GyroscopeIntegral> rotation;     // if `motion` is nullopt
     std::optional<Eigen::Quaterniond> q_ahrs_imu;  // in the AHRS's own world frame, z up
     std::optional<double> depth_m;                 // below an unknown surface level
+    double depth_sigma_m = kUsualDepthSigma_m;     // independent from keyframe to keyframe
 };
 
 // The measurements of the dive's inertial sensors. Rotation comes from the gyroscope if there is
@@ -43,6 +45,10 @@ public:
 
     // Takes rotations from the AHRS where there is one, before the gyroscope, as the paper does.
     void let_ahrs_lead() { ahrs_leads_ = true; }
+
+    // Takes in the RMS error of the pressure's changes over five seconds, as vision judged them.
+    // Waves and a slow sensor err alike for seconds, so that neighbours in time do not average out.
+    void set_pressure_error(double error_m) { pressure_error_m_ = error_m; }
 
     // Corrects all samples for `alignment`, as if the IMU were mounted as calibrated.
     void align(const types::ImuAlignment& alignment);
@@ -92,6 +98,7 @@ public:
 
 private:
     bool imu_is_used(std::int64_t from_ns, std::int64_t to_ns) const;
+    double depth_sigma_m(double interval_s) const;
 
     const types::Recording& recording_;
     std::optional<std::int64_t> imu_ends_ns_;
@@ -104,6 +111,7 @@ private:
     bool ahrs_ = false;
     bool ahrs_leads_ = false;
     bool pressure_ = false;
+    double pressure_error_m_ = 0.0;
     types::ImuNoise noise_;
     ImuBias bias_;
     double bias_sigma_ = kInitialGyroscopeBiasSigma;  // rad/s

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::imu {
 namespace {
@@ -26,6 +27,9 @@ constexpr double kMaxError_m = 5.0 * kUsualNoise_m;
 constexpr double kHeld = 0.25;
 constexpr double kHeldStep = 0.02;  // of the range of the readings
 constexpr double kReversed = 0.5;   // of a scale from -1
+constexpr std::size_t kBinsBesideStep = 5;
+constexpr double kMinStep_m = 0.15;
+constexpr double kStep_sigmas = 8.0;
 
 // Medians of half a second.
 struct Bin {
@@ -60,14 +64,18 @@ std::vector<Bin> bins_of(const std::vector<types::PressureSample>& pressure,
     return bins;
 }
 
+bool is_broken(const Bin& from, const Bin& to, const types::Breaks& breaks_ns) {
+    const auto lost = std::upper_bound(breaks_ns.begin(), breaks_ns.end(), from.time_ns);
+    return lost != breaks_ns.end() && *lost <= to.time_ns;
+}
+
 // Returns the changes between bins ten apart, where nothing was lost between them.
 std::vector<Change> changes_of(const std::vector<Bin>& bins, const types::Breaks& breaks_ns) {
     std::vector<Change> changes;
     for (std::size_t i = kBinsOfChange; i < bins.size(); ++i) {
         const Bin& from = bins[i - kBinsOfChange];
         const Bin& to = bins[i];
-        const auto lost = std::upper_bound(breaks_ns.begin(), breaks_ns.end(), from.time_ns);
-        if (lost != breaks_ns.end() && *lost <= to.time_ns) continue;
+        if (is_broken(from, to, breaks_ns)) continue;
         const Eigen::Vector3d way = to.p_world - from.p_world;
         changes.push_back({to.depth_m - from.depth_m, {way.x(), way.y(), -way.z()}});
     }
@@ -109,6 +117,31 @@ double rms_error_m(std::size_t num, const std::vector<Change>& changes) {
     return std::sqrt(squares / static_cast<double>(num));
 }
 
+// Returns the largest step of what the fit leaves of the depths; 0 where none stands out.
+double step_m(const std::vector<Bin>& bins, const types::Breaks& breaks_ns, const Fit& fit) {
+    const auto median_beside = [&](std::size_t begin) {
+        std::vector<double> rests_m;
+        for (std::size_t i = begin; i < begin + kBinsBesideStep; ++i) {
+            const Eigen::Vector3d& p = bins[i].p_world;
+            rests_m.push_back(bins[i].depth_m -
+                              fit.slopes.dot(Eigen::Vector3d(p.x(), p.y(), -p.z())));
+        }
+        return stats::median(rests_m);
+    };
+    std::vector<double> sizes_m;
+    double largest_m = 0.0;
+    for (std::size_t i = kBinsBesideStep; i + kBinsBesideStep <= bins.size(); ++i) {
+        if (is_broken(bins[i - kBinsBesideStep], bins[i + kBinsBesideStep - 1], breaks_ns))
+            continue;
+        const double change_m = median_beside(i) - median_beside(i - kBinsBesideStep);
+        sizes_m.push_back(std::abs(change_m));
+        if (std::abs(change_m) > std::abs(largest_m)) largest_m = change_m;
+    }
+    if (sizes_m.empty()) return 0.0;
+    const double sigma_m = stats::kSigmasPerMad * stats::median(sizes_m);
+    return std::abs(largest_m) > std::max(kMinStep_m, kStep_sigmas * sigma_m) ? largest_m : 0.0;
+}
+
 // Returns the share of the readings that stay at the highest or the lowest.
 double held_share(const std::vector<types::PressureSample>& pressure) {
     std::vector<double> depths;
@@ -131,7 +164,8 @@ PressureJudgement judge_pressure(const std::vector<types::PressureSample>& press
                                  const types::Trajectory& trajectory,
                                  const types::Breaks& breaks_ns,
                                  bool vertical_is_known) {
-    std::vector<Change> changes = changes_of(bins_of(pressure, trajectory), breaks_ns);
+    const std::vector<Bin> bins = bins_of(pressure, trajectory);
+    std::vector<Change> changes = changes_of(bins, breaks_ns);
     if (changes.size() < kMinChanges) return {};
     const double tilt_rad = vertical_is_known ? kKnownTilt_rad : kUnknownTilt_rad;
     fit_changes(changes.size(), kUsualNoise_m, tilt_rad, changes);
@@ -143,8 +177,14 @@ PressureJudgement judge_pressure(const std::vector<types::PressureSample>& press
     judgement.error_m = rms_error_m(num, changes);
     judgement.held_share = held_share(pressure);
     const double limit = std::max(kMaxScaleError, kContradicts_sigmas * fit.scale_sigma);
-    const bool explained = judgement.error_m < kMaxError_m;
-    if (explained && std::abs(judgement.scale - 1.0) < limit) return judgement;
+    judgement.step_m = step_m(bins, breaks_ns, fit);
+    // What is wrong by a factor is wrong in its errors by as much.
+    const bool explained =
+        judgement.error_m < kMaxError_m * std::max(1.0, std::abs(judgement.scale));
+    if (explained && std::abs(judgement.scale - 1.0) < limit) {
+        if (judgement.step_m != 0.0) judgement.fault = PressureFault::Stepped;
+        return judgement;
+    }
     if (judgement.held_share > kHeld)
         judgement.fault = PressureFault::Held;
     else if (!explained)

@@ -14,6 +14,7 @@ enum class PressureFault {
     Reversed,     // counts upwards
     Scaled,       // `scale`: wrong units, or of density
     Held,         // `held_share` of the readings stay at one end: the range is exceeded
+    Stepped,      // its zero moved by `step_m` at once
 };
 
 struct PressureJudgement {
@@ -21,6 +22,7 @@ struct PressureJudgement {
     double scale = 1.0;       // of depths by pressure over those by vision
     double error_m = 0.0;     // RMS of the changes of depth that the scale does not explain
     double held_share = 0.0;  // of the readings
+    double step_m = 0.0;      // the largest
 };
 
 // Compares the changes of depth over five seconds by pressure and by vision. Least squares over
@@ -31,7 +33,9 @@ struct PressureJudgement {
 // vertical. The sensor contradicts vision if s is not 1 or if the changes do not fit whatever s is;
 // waves above and a scale that the cameras do not know well are no contradiction. A dive with
 // hardly any change of depth is not judged. The tenth of the changes that fits worst is set aside,
-// so that single wrong readings do no harm.
+// so that single wrong readings do no harm. What the fit leaves of the depths must not step: their
+// medians over two and a half seconds before and after a time differ by less than 0.15 m, or by
+// less than eight times what they usually do where waves pass above.
 PressureJudgement judge_pressure(const std::vector<types::PressureSample>& pressure,
                                  const types::Trajectory& trajectory,
                                  const types::Breaks& breaks_ns,

@@ -55,9 +55,13 @@ Eigen::Isometry3d MotionModel::predict(const std::optional<types::KnownRotation>
     return T_previous_current.inverse();
 }
 
+bool MotionModel::predicts_by_imu(std::int64_t timestamp_ns) const {
+    return inertial_state_ && !is_lost(timestamp_ns) &&
+           inertial_.motion(timestamp_ns_, timestamp_ns);
+}
+
 bool MotionModel::predicts_reliably(std::int64_t timestamp_ns) const {
-    if (inertial_state_ && !is_lost(timestamp_ns) && inertial_.motion(timestamp_ns_, timestamp_ns))
-        return true;
+    if (predicts_by_imu(timestamp_ns)) return true;
     return base::to_s(timestamp_ns - timestamp_ns_) <= kMaxExtrapolation_s;
 }
 

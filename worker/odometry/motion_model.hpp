@@ -27,6 +27,8 @@ public:
     // translation is zero.
     Eigen::Isometry3d predict(const std::optional<types::KnownRotation>& rotation,
                               std::int64_t timestamp_ns) const;
+    // Returns true if predict() is the IMU's motion from a known velocity.
+    bool predicts_by_imu(std::int64_t timestamp_ns) const;
     // Returns true if predict() is right to some pixels: by the IMU, or because too little time has
     // passed for another motion.
     bool predicts_reliably(std::int64_t timestamp_ns) const;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <ceres/loss_function.h>
 #include <ceres/manifold.h>
+#include <ceres/normal_prior.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 #include <ceres/sphere_manifold.h>
@@ -263,13 +264,26 @@ void BundleAdjustment::add_orientation(BodyState& state,
 void BundleAdjustment::add_depth(BodyState& state,
                                  Eigen::Vector3d& gravity_direction_world,
                                  double& offset_m,
+                                 double& scale,
                                  double depth_m,
                                  double sigma_m) {
     auto& own = *implementation_;
     own.graph.add_block(gravity_direction_world.data(), 3, &own.direction);
     own.add(PressureDepth::create({depth_m, sigma_m}),
             &own.depth_loss,
-            {state.p_world_imu.data(), gravity_direction_world.data(), &offset_m});
+            {state.p_world_imu.data(), gravity_direction_world.data(), &offset_m, &scale});
+}
+
+void BundleAdjustment::add_depth_scale(double& scale, double sigma) {
+    auto& own = *implementation_;
+    if (!own.graph.contains(&scale)) return;
+    if (sigma > 0.0)
+        own.add(new ceres::NormalPrior(Eigen::MatrixXd::Constant(1, 1, 1.0 / sigma),
+                                       Eigen::VectorXd::Ones(1)),
+                nullptr,
+                {&scale});
+    else
+        own.graph.fix(&scale);
 }
 
 void BundleAdjustment::add_gravity_direction(Eigen::Vector3d& gravity_direction_world,

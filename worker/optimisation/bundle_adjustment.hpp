@@ -101,13 +101,16 @@ public:
                          const Eigen::Quaterniond& q_ahrs_imu,
                          double sigma_rad);
 
-    // Adds a depth below a surface that lies `offset_m` above the world's origin; the offset is
-    // unknown too.
+    // Adds a depth below a surface that lies `offset_m` above the world's origin; the offset and
+    // the scale of the sensor's depths are unknown too.
     void add_depth(BodyState& state,
                    Eigen::Vector3d& gravity_direction_world,
                    double& offset_m,
+                   double& scale,
                    double depth_m,
                    double sigma_m);
+    // Adds what is known of the scale of depths that were added before; sigma 0: it is 1.
+    void add_depth_scale(double& scale, double sigma);
     void add_gravity_direction(Eigen::Vector3d& gravity_direction_world,
                                const Eigen::Vector3d& known,
                                double sigma);

@@ -16,6 +16,7 @@ namespace divemesh::optimisation {
 namespace {
 
 constexpr int kMaxIterations = 15;
+constexpr int kMaxSolves = 4;  // while the solution still moves
 constexpr std::size_t kMaxObservations = 400'000;
 // Scale error of disparities that are interpolated and triangulated with noise. Neither residuals
 // nor errors of the calibration show it, so it is added (Schmidt's consider parameters).
@@ -184,13 +185,20 @@ GlobalBundleAdjustment adjust_globally(types::Track& track,
                                      motion.sigma_rad);
     WorldReference reference;
     add_inertial_factors(bundle_adjustment, inertial, keyframes, states, reference);
-    types::SolverOutcome outcome = bundle_adjustment.solve_sparse(kMaxIterations, progress, at);
-    Uncertainty uncertainty = relative_to_first(bundle_adjustment,
-                                                keyframes,
-                                                states,
-                                                calibration,
-                                                rates_of(inertial, keyframes, states, reference));
-    if (uncertainty.last_step_sigmas) outcome.last_step_sigmas = *uncertainty.last_step_sigmas;
+    types::SolverOutcome outcome;
+    Uncertainty uncertainty;
+    for (int i = 0; i < kMaxSolves && (i == 0 || outcome.still_moving()); ++i) {
+        const types::SolverOutcome before = outcome;
+        outcome = bundle_adjustment.solve_sparse(kMaxIterations, progress, at);
+        outcome.num_iterations += before.num_iterations;
+        if (i > 0) outcome.initial_cost = before.initial_cost;
+        uncertainty = relative_to_first(bundle_adjustment,
+                                        keyframes,
+                                        states,
+                                        calibration,
+                                        rates_of(inertial, keyframes, states, reference));
+        if (uncertainty.last_step_sigmas) outcome.last_step_sigmas = *uncertainty.last_step_sigmas;
+    }
     const Eigen::Quaterniond q_level_world = gravity_alignment(inertial, reference);
     for (std::size_t k = 0; k < states.size(); ++k)
         keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;

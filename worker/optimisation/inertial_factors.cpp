@@ -13,7 +13,9 @@ namespace {
 // constant over the interval.
 constexpr double kAhrsSigma_rad = 0.01;
 constexpr double kAhrsTimeConstant_s = 30.0;
-constexpr double kPressureSigma_m = 0.02;     // including the waves above
+// Recorders turn pressure into depth with the density that they are set to: fresh and sea water
+// differ by 2.5 to 3 %.
+constexpr double kPressureScaleSigma = 0.025;
 constexpr double kInitialGravitySigma = 0.2;  // of the vertical, if the pressure is its only sensor
 
 // Sets velocities by central differences of the positions.
@@ -64,8 +66,9 @@ void add_absolute_factors(BundleAdjustment& bundle_adjustment,
         bundle_adjustment.add_depth(state,
                                     reference.gravity_direction_world,
                                     reference.depth_offset_m,
+                                    reference.depth_scale,
                                     *readings.depth_m,
-                                    kPressureSigma_m);
+                                    readings.depth_sigma_m);
 }
 
 void add_bias_priors(BundleAdjustment& bundle_adjustment,
@@ -109,6 +112,7 @@ void add_inertial_factors(BundleAdjustment& bundle_adjustment,
             bundle_adjustment, readings, inertial.noise(), states[k - 1], states[k], reference);
         chained = readings.motion || readings.rotation;
     }
+    bundle_adjustment.add_depth_scale(reference.depth_scale, kPressureScaleSigma);
 }
 
 Eigen::Quaterniond gravity_alignment(const imu::InertialPrior& inertial,

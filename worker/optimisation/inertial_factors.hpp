@@ -16,6 +16,7 @@ struct WorldReference {
     Eigen::Vector3d gravity_direction_world = -Eigen::Vector3d::UnitZ();
     Eigen::Quaterniond q_world_ahrs = Eigen::Quaterniond::Identity();
     double depth_offset_m = 0.0;  // of the world's origin below the pressure sensor's surface
+    double depth_scale = 1.0;     // of its depths
 };
 
 // Add the factors of the sensors between two states, and those at one time.

@@ -13,6 +13,7 @@ constexpr std::size_t kNumApart = 7;             // keyframes with motion betwee
 constexpr std::size_t kMaxWindowKeyframes = 12;  // including those where the camera stood still
 constexpr int kMaxIterations = 6;
 constexpr double kOutlier = 5.0;     // in sigmas, per measurement
+constexpr double kExact = 0.0;       // sigma of a scale that so short a time cannot tell
 constexpr double kMinShift = 0.002;  // of the image width, median; below it the camera stands still
 const Eigen::Vector3d kLandmarkSigma_px = 0.5 * types::kFeatureSigma_px;  // of an adjusted landmark
 
@@ -151,6 +152,7 @@ void SlidingWindow::marginalise_oldest() {
     if (!chained(oldest_)) add_bias_priors(leaving, readings, from);
     add_relative_factors(leaving, readings, noise_, from, entries_[oldest_ + 1].state, *reference_);
     leaving.add_prior(prior_);
+    leaving.add_depth_scale(reference_->depth_scale, kExact);
     prior_ = leaving.marginalise({from.q_world_imu.coeffs().data(),
                                   from.p_world_imu.data(),
                                   from.velocity_world.data(),
@@ -215,6 +217,7 @@ void SlidingWindow::add_readings(BundleAdjustment& bundle_adjustment) {
         add_relative_factors(
             bundle_adjustment, readings, noise_, from, entries_[k].state, *reference_);
     }
+    bundle_adjustment.add_depth_scale(reference_->depth_scale, kExact);
 }
 
 void SlidingWindow::drop_outliers() {

@@ -20,7 +20,8 @@ std::optional<types::Rest> rest_between(const std::vector<types::Rest>& rests,
                                         const types::Keyframe& to) {
     const auto rest = std::ranges::lower_bound(
         rests, from.timestamp_ns, {}, [](const types::Rest& r) { return r.from_ns; });
-    if (rest == rests.end() || rest->from_ns > from.timestamp_ns + kMaxBesideRest_ns ||
+    if (rest == rests.end() || rest->from_ns >= to.timestamp_ns ||
+        rest->from_ns > from.timestamp_ns + kMaxBesideRest_ns ||
         rest->to_ns < to.timestamp_ns - kMaxBesideRest_ns)
         return std::nullopt;
     return *rest;

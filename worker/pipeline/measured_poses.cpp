@@ -53,15 +53,16 @@ void renumber_observations(const std::vector<std::int32_t>& new_numbers,
 void bridge_by_imu(const imu::InertialPrior& inertial, types::Track& track) {
     std::vector<MotionSource>& motions = track.motions;
     for (std::size_t first = 1; first < motions.size(); ++first) {
-        if (motions[first] != MotionSource::Nothing) continue;
-        std::size_t after = first;
-        while (after < motions.size() && motions[after] == MotionSource::Nothing) ++after;
-        if (first > 1 && after < motions.size()) {
-            const std::int64_t from_ns = track.odometry[first - 1].timestamp_ns;
-            const std::int64_t to_ns = track.odometry[after - 1].timestamp_ns;
-            if (to_ns - from_ns <= kMaxBridge_ns && inertial.motion(from_ns, to_ns))
-                for (std::size_t i = first; i < after; ++i) motions[i] = MotionSource::Imu;
-        }
+        if (motions[first] == MotionSource::Vision) continue;
+        const auto begin = motions.begin() + static_cast<std::ptrdiff_t>(first);
+        const auto end = std::find(begin, motions.end(), MotionSource::Vision);
+        const auto after = static_cast<std::size_t>(end - motions.begin());
+        const std::int64_t from_ns = track.odometry[first - 1].timestamp_ns;
+        const std::int64_t to_ns = track.odometry[after - 1].timestamp_ns;
+        const bool bridged = first > 1 && end != motions.end() &&
+                             std::count(begin, end, MotionSource::Imu) == end - begin &&
+                             to_ns - from_ns <= kMaxBridge_ns && inertial.motion(from_ns, to_ns);
+        if (!bridged) std::fill(begin, end, MotionSource::Nothing);
         first = after;
     }
 }

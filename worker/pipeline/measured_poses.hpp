@@ -13,8 +13,9 @@
 namespace divemesh::pipeline {
 
 // Counts short losses of vision as bridged by the IMU: of at most a second, between two motions
-// that vision measured, with IMU samples throughout. A second of integration errs by less than two
-// centimetres; longer bridges join segments (loops::DriftModel), but the poses on them are
+// that vision measured, if the IMU predicted every motion between them from a known velocity and
+// covers them as a whole. All others are not measured. A second of integration errs by less than
+// two centimetres; longer bridges join segments (loops::DriftModel), but the poses on them are
 // predictions.
 void bridge_by_imu(const imu::InertialPrior& inertial, types::Track& track);
 

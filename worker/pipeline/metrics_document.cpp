@@ -69,19 +69,26 @@ json lens(const types::Camera& stated,
             {"k2", estimate(camera.distortion_coefficients[1], sigmas[4])}};
 }
 
-json refined(const MetricsInput& input) {
+void add_lenses(const MetricsInput& input, json& result) {
     const types::RefinedCalibration& refined = input.refined;
-    json result = {{"lenses",
-                    {{"cam0", lens(input.rig.cam0, refined.lenses[0], refined.lens_sigmas[0])},
-                     {"cam1", lens(input.rig.cam1, refined.lenses[1], refined.lens_sigmas[1])},
-                     {"shift_px", refined.lens_shift_px},
-                     {"applied", refined.lenses_applied}}}};
-    if (refined.readout_time_sigma_s > 0.0)
-        result["readout_time_s"] = {{"value", refined.readout_time_s},
-                                    {"sigma", refined.readout_time_sigma_s},
-                                    {"shift_px", refined.readout_shift_px},
-                                    {"applied", refined.readout_time_applied}};
-    if (!input.rig.imu_noise || refined.time_offset_sigma_s <= 0.0) return result;
+    if (!refined.is_known()) return;
+    result["lenses"] = {{"cam0", lens(input.rig.cam0, refined.lenses[0], refined.lens_sigmas[0])},
+                        {"cam1", lens(input.rig.cam1, refined.lenses[1], refined.lens_sigmas[1])},
+                        {"shift_px", refined.lens_shift_px},
+                        {"applied", refined.lenses_applied}};
+}
+
+void add_readout_time(const types::RefinedCalibration& refined, json& result) {
+    if (refined.readout_time_sigma_s <= 0.0) return;
+    result["readout_time_s"] = {{"value", refined.readout_time_s},
+                                {"sigma", refined.readout_time_sigma_s},
+                                {"shift_px", refined.readout_shift_px},
+                                {"applied", refined.readout_time_applied}};
+}
+
+void add_imu(const MetricsInput& input, json& result) {
+    const types::RefinedCalibration& refined = input.refined;
+    if (!input.rig.imu_noise || refined.time_offset_sigma_s <= 0.0) return;
     const Eigen::Vector3d w = base::kDegPerRad * base::vector_from_rotation(refined.imu.q_body_imu);
     const Eigen::Vector3d sigma = base::kDegPerRad * refined.rotation_sigma_rad;
     result["time_offset_s"] = estimate(refined.imu.time_offset_s, refined.time_offset_sigma_s);
@@ -90,6 +97,14 @@ json refined(const MetricsInput& input) {
                               {"sigma", {sigma.x(), sigma.y(), sigma.z()}},
                               {"angle", w.norm()},
                               {"applied", refined.rotation_applied}};
+}
+
+// Returns the parts of the calibration that were estimated; empty if none was.
+json refined(const MetricsInput& input) {
+    json result = json::object();
+    add_lenses(input, result);
+    add_readout_time(input.refined, result);
+    add_imu(input, result);
     return result;
 }
 
@@ -165,7 +180,8 @@ json calibration(const MetricsInput& input) {
     if (input.gravity)
         result["gravity"] = {{"magnitude_m_s2", input.gravity->magnitude_m_s2},
                              {"tilt_deg", input.gravity->tilt_deg}};
-    if (input.refined.is_known()) result["refined"] = refined(input);
+    if (json estimated = refined(input); !estimated.empty())
+        result["refined"] = std::move(estimated);
     if (input.scale_correction)
         result["scale_correction"] = evaluation::to_metrics(*input.scale_correction);
     return result;

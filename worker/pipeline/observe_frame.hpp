@@ -30,7 +30,8 @@ struct Observed {
     odometry::PointPairs measured;  // by their depth at both times
     odometry::PointPairs pairs;     // by landmarks where there are
     odometry::Registration vision;
-    bool predicted = true;  // the features were found where the motion model predicted them
+    bool predicted = true;    // the features were found where the motion model predicted them
+    bool recognised = false;  // a keyframe tells the pose, nothing the motion from the last frame
 };
 
 // Returns the frame with the motion of its tracks. Features that have just appeared confirm a

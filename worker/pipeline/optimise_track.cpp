@@ -43,7 +43,9 @@ public:
           alignment_(alignment),
           progress_(progress),
           inertial_(recording, options, track.left_out),
-          drift_(track.keyframes, track.landmarks, &inertial_) {}
+          drift_(track.keyframes, track.landmarks, &inertial_) {
+        inertial_.set_pressure_error(track.pressure_error_m);
+    }
 
     types::OptimisedTrack run() {
         find_loops();

@@ -44,20 +44,28 @@ void check_as_tracked(const types::Track& track,
     result.statistics.check.after = result.statistics.check.before;
 }
 
-// Leaves out a pressure sensor that contradicts the path.
-void judge_pressure(const types::Recording& recording,
-                    const ReconstructionOptions& options,
-                    types::Track& track) {
-    if (!options.use_pressure) return;
+// Compares the pressure sensor with the path.
+imu::PressureJudgement judge_pressure(const types::Recording& recording,
+                                      const ReconstructionOptions& options,
+                                      const types::Track& track) {
+    if (!options.use_pressure) return {};
     const imu::InertialPrior inertial(recording, options, track.left_out);
     const bool vertical_is_known =
         inertial.has_accelerometer() ||
         (!track.causal.empty() && inertial.absolute(track.causal.front().timestamp_ns));
-    const imu::PressureJudgement judgement =
-        imu::judge_pressure(recording.pressure(), track.causal, track.breaks_ns, vertical_is_known);
-    if (judgement.fault == imu::PressureFault::None) return;
-    track.left_out.pressure = true;
-    track.findings.push_back(pressure_left_out(judgement));
+    return imu::judge_pressure(
+        recording.pressure(), track.causal, track.breaks_ns, vertical_is_known);
+}
+
+types::Track tracked(types::Recording& recording,
+                     const ReconstructionOptions& options,
+                     const keyframes::KeyframeStore& store,
+                     const base::ProgressCallback& progress) {
+    types::Track result = estimator_of(options).track(recording, options, store, progress);
+    bridge_by_imu(imu::InertialPrior(recording, options, result.left_out), result);
+    result.breaks_ns = breaks_of(result);
+    drop_unmeasured_keyframes(result);
+    return result;
 }
 
 // Returns the median depth of the tracked features, or without any that of the first frame's
@@ -99,11 +107,16 @@ types::Track track(types::Recording& recording,
                    const ReconstructionOptions& options,
                    const keyframes::KeyframeStore& store,
                    const base::ProgressCallback& progress) {
-    types::Track result = estimator_of(options).track(recording, options, store, progress);
-    bridge_by_imu(imu::InertialPrior(recording, options, result.left_out), result);
-    result.breaks_ns = breaks_of(result);
-    drop_unmeasured_keyframes(result);
-    judge_pressure(recording, options, result);
+    types::Track result = tracked(recording, options, store, progress);
+    const imu::PressureJudgement judgement = judge_pressure(recording, options, result);
+    result.pressure_error_m = judgement.error_m;
+    if (judgement.fault == imu::PressureFault::None) return result;
+    // The path must not keep what a wrong sensor did to it.
+    ReconstructionOptions without_pressure = options;
+    without_pressure.use_pressure = false;
+    result = tracked(recording, without_pressure, store, progress);
+    result.left_out.pressure = true;
+    result.findings.push_back(pressure_left_out(judgement));
     return result;
 }
 

@@ -1,21 +1,34 @@
 #include "worker/pipeline/reconstruction.hpp"
 
 #include "schemas/error.hpp"
+#include "schemas/verdict.hpp"
 #include "worker/base/free_memory.hpp"
 #include "worker/calibration/calibration_refinement.hpp"
 #include "worker/camera/rectifier.hpp"
+#include "worker/io/reconstruction_folder.hpp"
+#include "worker/pipeline/check_cameras.hpp"
 
 namespace divemesh::pipeline {
 namespace {
 
+// Tells the findings on the dive; throws Error{BadData} with the first error among them.
+void check_dive(const dive::Dive& dive, const ReconstructionRequest& request) {
+    std::vector<Finding> findings = dive.findings();
+    if (!has_error(findings))
+        if (const auto no_overlap = find_no_overlap(dive)) findings.push_back(*no_overlap);
+    request.dive_checked(findings);
+    if (const auto error = first_error(findings))
+        throw Error(ErrorCode::BadData,
+                    (error->where.empty() ? "" : error->where + ": ") + error->message +
+                        (error->remedy.empty() ? "" : " " + error->remedy));
+}
+
 std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
+    // A result of another dive must not remain if this one is refused or fails. A mistyped path
+    // removes nothing.
+    if (std::filesystem::exists(request.dive)) io::remove_reconstruction(request.out);
     auto dive = dive::Dive::open(request.dive, request.scratch / "dive");
-    request.dive_checked(dive->findings());
-    for (const Finding& finding : dive->findings())
-        if (finding.severity == Severity::Error)
-            throw Error(ErrorCode::BadData,
-                        (finding.where.empty() ? "" : finding.where + ": ") + finding.message +
-                            (finding.remedy.empty() ? "" : " " + finding.remedy));
+    check_dive(*dive, request);
     if (request.options.correct_scale == "on" &&
         !dive::marker_plan_of(dive->markers(), request.options))
         throw Error(ErrorCode::InvalidArgument,

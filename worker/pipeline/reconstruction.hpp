@@ -30,9 +30,9 @@ namespace divemesh::pipeline {
 // The state of a running reconstruction: what its stages share in memory. The rest is in the
 // scratch folder.
 struct Reconstruction {
-    // Opens the dive and creates the folder of the artifacts. Throws Error{BadData} with the first
-    // error among the findings, Error{InvalidArgument} if the scale correction was requested but is
-    // not possible.
+    // Removes an earlier result from the folder of the artifacts, opens the dive and creates the
+    // folder. Throws Error{BadData} with the first error among the findings, Error{InvalidArgument}
+    // if the scale correction was requested but is not possible.
     explicit Reconstruction(const ReconstructionRequest& made_for);
 
     // Has all later stages use this rig instead of the stated one.

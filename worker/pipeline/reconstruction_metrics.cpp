@@ -48,11 +48,23 @@ std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
                        .volume_memory_bytes = made.volume_memory_bytes};
 }
 
+// Returns the findings about the dive, also those on images that an earlier run read.
+std::vector<Finding> findings_on_dive(const Reconstruction& made) {
+    std::vector<Finding> all = made.dive.findings();
+    for (const Finding& read : made.track.image_findings) {
+        const bool known = std::ranges::any_of(all, [&](const Finding& finding) {
+            return finding.code == read.code && finding.where == read.where;
+        });
+        if (!known) all.push_back(read);
+    }
+    return all;
+}
+
 // Returns the findings about the dive, then those about its reconstruction.
 std::vector<Finding> findings(const Reconstruction& made,
                               const Segments& segments,
                               const evaluation::ExpectedAccuracy& expected) {
-    std::vector<Finding> all = made.dive.findings();
+    std::vector<Finding> all = findings_on_dive(made);
     const std::vector<Finding> of_cameras = alignment_findings(made.alignment);
     all.insert(all.end(), of_cameras.begin(), of_cameras.end());
     const std::vector<Finding>& later = made.optimised.findings;

@@ -72,6 +72,7 @@ std::optional<Observed> Recovery::recognise(const types::RectifiedFrame& frame,
     state_.dynamic_features.forget();
     Observed seen = observe_frame(state_, frame, std::move(known->features), prediction);
     seen.predicted = false;
+    seen.recognised = true;
     if (seen.vision.found) return seen;
     state_.motion.correct(T_world_previous);
     state_.features = previous;

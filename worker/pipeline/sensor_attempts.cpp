@@ -30,12 +30,17 @@ bool SensorAttempts::again(const imu::SensorWatch& watch, const types::Track& tr
         plan_ = watch.plan();
         return try_unconfirmed(num_measured, num_frames);
     }
+    const types::SensorsLeftOut& tracked = watch.plan().left_out;
+    const bool drops_ahrs = other->left_out.ahrs && !tracked.ahrs;  // once
+    const bool adds_times = is_whole && other->left_out.imu == tracked.imu;
     plan_ = *other;
-    if (++num_made_ + 1 == kMaxAttempts) {
-        plan_.left_out.imu = true;  // then nothing asks for another attempt
-        plan_.imu_unconfirmed = false;
-        plan_.gyroscope.fault = imu::GyroscopeFault::None;
-    }
+    ++num_made_;
+    if (num_made_ + 1 < kMaxAttempts || drops_ahrs) return true;
+    if (adds_times) return num_made_ + 1 == kMaxAttempts;  // then the path is taken as it is
+    // Without the IMU nothing asks for another attempt.
+    plan_.left_out.imu = true;
+    plan_.imu_unconfirmed = false;
+    plan_.gyroscope.fault = imu::GyroscopeFault::None;
     return true;
 }
 

@@ -10,7 +10,8 @@ namespace divemesh::pipeline {
 
 // The attempts to track a dive, each with another plan for its sensors: as stated, by vision alone,
 // with another clock offset or fewer sensors, without the times in which a sensor contradicted the
-// images.
+// images. After five attempts the path is taken although further times are found to be left out;
+// a dive that still asks for another clock offset or other sensors is tracked without its IMU.
 //
 // Where images alone lose the scene too often to confirm or refute the IMU, a last attempt uses it
 // all the same: if it lets vision measure clearly more frames it is right, as no wrong prediction

@@ -174,6 +174,9 @@ std::string cause(const imu::PressureJudgement& judgement) {
             return percent(judgement.held_share) +
                    " of its readings stay at one value: its range "
                    "was exceeded, or its port is blocked";
+        case imu::PressureFault::Stepped:
+            return "its zero moved by " + base::fixed(std::abs(judgement.step_m), 2) +
+                   " m at once: it was reset, or its port was blocked and came free";
         case imu::PressureFault::None:
         case imu::PressureFault::Unexplained: break;
     }

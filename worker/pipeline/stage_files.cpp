@@ -123,6 +123,7 @@ void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {
     }
     file.plain(calibration.lens_shift_px);
     file.flag(calibration.time_offset_applied);
+    file.plain(calibration.tracked_time_offset_s);
     file.flag(calibration.rotation_applied);
     file.flag(calibration.lenses_applied);
     file.plain(calibration.readout_time_s);
@@ -161,13 +162,16 @@ void fields(auto& file, Is<types::Track> auto& track) {
     file.vector(track.motions);
     file.vector(track.breaks_ns);
     file.vector(track.features);
+    file.vector(track.unusable);
     file.vector(track.rests);
     file.list(track.keyframes);
     file.list(track.mapped);
     file.list(track.landmarks);
     fields(file, track.imu_alignment);
     fields(file, track.left_out);
+    file.plain(track.pressure_error_m);
     file.list(track.findings);
+    file.list(track.image_findings);
     file.plain(track.statistics);
     file.plain(track.reduction);
 }

@@ -4,6 +4,7 @@
 
 #include "worker/base/background_task.hpp"
 #include "worker/pipeline/frame_prefetcher.hpp"
+#include "worker/pipeline/unusable_pair_log.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -25,6 +26,11 @@ bool rests(const TrackedFrame& frame) {
            frame.T_current_previous.isApprox(Eigen::Isometry3d::Identity(), kRounding);
 }
 
+types::MotionSource source_of(const TrackedFrame& frame) {
+    if (frame.by_vision) return types::MotionSource::Vision;
+    return frame.predicted_by_imu ? types::MotionSource::Imu : types::MotionSource::Nothing;
+}
+
 }  // namespace
 
 types::Track track_frames(types::Recording& recording,
@@ -40,7 +46,9 @@ types::Track track_frames(types::Recording& recording,
     FramePrefetcher frames(recording, rectifier, task_pool);
     keyframes::KeyframeWriter writer(options, store, task_pool);
     Eigen::Isometry3d T_start_cam = Eigen::Isometry3d::Identity();
+    UnusablePairLog unusable;
     while (const auto frame = frames.next()) {
+        unusable.add_frame(frame->index, frame->timestamp_ns);
         const TrackedFrame tracked = tracker.process(*frame);
         writer.go_on(tracked.dynamic_before);
         if (tracked.to_map) {
@@ -51,13 +59,13 @@ types::Track track_frames(types::Recording& recording,
         result.causal.push_back({frame->timestamp_ns, tracked.T_world_cam * T_cam_imu});
         result.odometry.push_back({frame->timestamp_ns, T_start_cam * T_cam_imu});
         result.sigmas.push_back(rests(tracked) ? types::MotionSigma{} : tracked.sigma);
-        result.motions.push_back(tracked.by_vision ? types::MotionSource::Vision
-                                                   : types::MotionSource::Nothing);
+        result.motions.push_back(source_of(tracked));
         result.features.push_back(tracked.features);
         report(progress, result.causal.size(), recording);
         if (tracker.must_restart()) break;
     }
     writer.finish();
+    result.unusable = unusable.finish(recording.num_frames());
     tracker.move_to(result);
     result.statistics.num_skipped_frames = recording.num_skipped_frames();
     result.statistics.dense = writer.statistics();

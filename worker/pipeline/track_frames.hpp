@@ -30,6 +30,7 @@ struct TrackedFrame {
     std::optional<FrameToMap> to_map;  // nullopt: not mapped
     types::MotionSigma sigma = {};     // of T_current_previous
     bool by_vision = false;            // vision measured T_current_previous
+    bool predicted_by_imu = false;     // else: the IMU measured it, with a known velocity
     types::FrameFeatures features = {};
 };
 

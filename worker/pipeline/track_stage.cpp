@@ -24,6 +24,7 @@ bool load_track(Reconstruction& made, const std::string& key) {
 }
 
 void run_track(Reconstruction& made, const base::ProgressCallback& progress) {
+    const auto num_known = std::ssize(made.dive.findings());
     const int by_width = reduction_to_width(made.recording.recorded_rig().cam0.width_px,
                                             made.options().max_width_px);
     run_reduced(made, by_width, progress);
@@ -35,6 +36,8 @@ void run_track(Reconstruction& made, const base::ProgressCallback& progress) {
     } else if (by_width > 1) {
         made.track.findings.push_back(large_images_finding(by_width));
     }
+    const std::vector<Finding>& on_dive = made.dive.findings();
+    made.track.image_findings.assign(on_dive.begin() + num_known, on_dive.end());
 }
 
 void save_track(Reconstruction& made, const std::string& key) {

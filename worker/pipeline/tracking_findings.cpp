@@ -29,6 +29,9 @@ constexpr double kMinShareWithDepth = 0.3;
 constexpr double kMinOverlap = 0.6;
 constexpr int kGridSize = 12;
 constexpr double kPausePeriods = 5.0;
+// Pairs that could not be used are missed from so long a run on: a camera that repeats some images
+// is only slower.
+constexpr double kMissed_s = 1.0;
 
 // Consecutive frames whose motions from the frame before were not measured, numbered from 0 among
 // the frames that decode.
@@ -100,6 +103,11 @@ double median_count(const types::Track& track,
     return stats::upper_median(std::move(counts));
 }
 
+constexpr const char* kMendImages =
+    "the findings about images say why; copy unreadable ones from the recorder again, and check "
+    "the "
+    "cables and the card of a camera that hangs";
+
 struct Cause {
     std::string text;
     std::string remedy;
@@ -110,6 +118,13 @@ Cause too_little_overlap(double overlap, double interval_s) {
     return {"consecutive images overlap by only " + base::fixed(100.0 * overlap, 0) + " %",
             "swim and turn more slowly, or record above " + base::fixed(needed_hz, 0) +
                 " pairs a second"};
+}
+
+// Returns the pairs before a frame that could not be used, if they were missed.
+const types::UnusablePairs* unusable_before(const types::Track& track, std::size_t frame) {
+    const auto run = std::ranges::find(
+        track.unusable, static_cast<std::int64_t>(frame), &types::UnusablePairs::next_frame);
+    return run != track.unusable.end() && run->duration_s > kMissed_s ? &*run : nullptr;
 }
 
 // Returns the likely cause of a loss.
@@ -129,6 +144,10 @@ Cause cause_of(const types::Track& track, const Loss& loss) {
     const std::size_t next = std::max<std::size_t>(loss.first, 1);
     const double interval_s =
         base::to_s(track.odometry[next].timestamp_ns - track.odometry[next - 1].timestamp_ns);
+    if (const types::UnusablePairs* run = unusable_before(track, next))
+        return {"none of " + std::to_string(run->num) + " pairs could be used for " +
+                    base::fixed(interval_s, 1) + " s",
+                kMendImages};
     if (loss.first == loss.last && interval_s > kPausePeriods * median_period_s(track))
         return {"no image was recorded for " + base::fixed(interval_s, 1) + " s",
                 "record without pauses, or come back to a place that was already recorded"};
@@ -183,18 +202,80 @@ Finding finding_on_all(const types::Track& track,
     return {severity, "tracking_lost", "", message, losses.size() > kMaxLosses ? kTrackBetter : ""};
 }
 
+// The pairs that could not be used.
+struct Missed {
+    std::int64_t num_pairs = 0;   // all
+    std::int64_t num_missed = 0;  // those that could not be used
+    double duration_s = 0.0;      // of the runs that are missed
+    double share = 0.0;           // of the dive's duration
+    const types::UnusablePairs* longest = nullptr;
+};
+
+Missed missed_by(const types::Track& track) {
+    Missed missed;
+    double duration_s = 0.0;  // of the dive
+    if (!track.odometry.empty())
+        duration_s =
+            base::to_s(track.odometry.back().timestamp_ns - track.odometry.front().timestamp_ns);
+    for (const types::UnusablePairs& run : track.unusable) {
+        missed.num_missed += run.num;
+        if (run.next_frame == 0 || run.next_frame == std::ssize(track.odometry))
+            duration_s += run.duration_s;
+        if (run.duration_s <= kMissed_s) continue;
+        missed.duration_s += run.duration_s;
+        if (missed.longest == nullptr || run.duration_s > missed.longest->duration_s)
+            missed.longest = &run;
+    }
+    missed.num_pairs = track.statistics.num_frames + missed.num_missed;
+    if (duration_s > 0.0) missed.share = missed.duration_s / duration_s;
+    return missed;
+}
+
+std::string pairs_text(const Missed& missed) {
+    return std::to_string(missed.num_missed) + " of " + std::to_string(missed.num_pairs) +
+           " pairs could not be used";
+}
+
+Finding nothing_usable(const Missed& missed) {
+    return {Severity::Error,
+            "nothing_reconstructed",
+            "",
+            pairs_text(missed) + ", so there is no model",
+            kMendImages};
+}
+
+std::optional<Finding> images_unusable(const types::Track& track) {
+    const Missed missed = missed_by(track);
+    if (missed.longest == nullptr) return std::nullopt;
+    const types::UnusablePairs& longest = *missed.longest;
+    return Finding{missed.share > kWarningShare ? Severity::Warning : Severity::Info,
+                   "images_unusable",
+                   "pairs " + std::to_string(longest.first) + " to " +
+                       std::to_string(longest.first + longest.num - 1),
+                   pairs_text(missed) + ": " + base::fixed(missed.duration_s, 1) + " s (" +
+                       base::fixed(100.0 * missed.share, 1) +
+                       " %) of the dive are missing, at one time " +
+                       base::fixed(longest.duration_s, 1) + " s",
+                   kMendImages};
+}
+
 }  // namespace
 
 std::optional<Finding> too_little_tracked(const types::Track& track) {
     const types::TrackStatistics& statistics = track.statistics;
-    if (statistics.num_frames < 2) return std::nullopt;
+    const Missed missed = missed_by(track);
+    if (missed.num_pairs < 2) return std::nullopt;
+    if (statistics.num_frames < 2 || 1.0 - missed.share < kMinShare) return nothing_usable(missed);
     const double share = static_cast<double>(statistics.num_frames_tracked - 1) /
                          static_cast<double>(statistics.num_frames - 1);
-    if (share >= kMinShare) return std::nullopt;
+    if ((1.0 - missed.share) * share >= kMinShare) return std::nullopt;
     const std::vector<Loss> losses =
         losses_of(track, measured_frames(track.odometry, track.breaks_ns, track.keyframes));
-    const Cause cause =
-        cause_of(track, *std::max_element(losses.begin(), losses.end(), is_shorter));
+    const auto longest = std::max_element(losses.begin(), losses.end(), is_shorter);
+    // Without a loss the IMU alone measured what vision did not.
+    const Cause cause = longest == losses.end()
+                            ? Cause{"vision measured single motions only", kTrackBetter}
+                            : cause_of(track, *longest);
     return Finding{Severity::Error,
                    "nothing_reconstructed",
                    "",
@@ -206,13 +287,15 @@ std::optional<Finding> too_little_tracked(const types::Track& track) {
 std::vector<Finding> tracking_findings(const types::Track& track) {
     const std::vector<bool> measured =
         measured_frames(track.odometry, track.breaks_ns, track.keyframes);
+    std::vector<Finding> findings;
+    if (auto finding = images_unusable(track)) findings.push_back(std::move(*finding));
     std::vector<Loss> losses = losses_of(track, measured);
-    if (losses.empty()) return {};
+    if (losses.empty()) return findings;
     const auto num_unmeasured = std::count(measured.begin(), measured.end(), false);
     const bool many =
         static_cast<double>(num_unmeasured) > kWarningShare * static_cast<double>(measured.size());
     const Severity severity = many ? Severity::Warning : Severity::Info;
-    std::vector<Finding> findings = {finding_on_all(track, losses, severity)};
+    findings.push_back(finding_on_all(track, losses, severity));
     std::stable_sort(losses.begin(), losses.end(), [](const Loss& a, const Loss& b) {
         return is_shorter(b, a);
     });

@@ -59,6 +59,7 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
         motion.start(now_ns, odometry::first_pose(state_.inertial, state_.rig, now_ns));
     const std::int64_t before_ns = motion.timestamp_ns();
     const auto rotation = motion.rotation(now_ns);
+    const bool predicted_by_imu = motion.predicts_by_imu(now_ns);
     const PredictedMotion prediction{
         rotation, motion.predict(rotation, now_ns), motion.predicts_reliably(now_ns)};
     const types::RectifiedFrame frame = synchronised(recorded, prediction);
@@ -86,11 +87,13 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
     const bool kept = keep_if_due(frame, vision);
     TrackedFrame tracked{
         T_current_previous, motion.T_world_cam(), state_.dynamic_features.before(), {}};
+    const odometry::Registration not_measured;
     tracked.sigma = odometry::sigma_of_motion(state_.rig,
-                                              vision,
+                                              seen.recognised ? not_measured : vision,
                                               {T_current_previous, guess.rotation, 0.0},
                                               base::to_s(now_ns - before_ns));
     tracked.by_vision = vision.found;
+    tracked.predicted_by_imu = predicted_by_imu;
     tracked.features = odometry::feature_counts(state_.features);
     tracked.to_map = to_map(frame, vision, kept);
     state_.memory.pass(frame);
@@ -121,6 +124,7 @@ void WindowTracker::watch_sensors(const Observed& seen,
                                   std::int64_t now_ns) {
     if (state_.map.empty()) return;
     if (!seen.vision.found) return sensors_.lost_scene();
+    if (seen.recognised) return;
     const auto motion =
         odometry::motion_by_vision(state_.rig, seen.measured, seen.vision, before_ns, now_ns);
     if (!motion) return;

@@ -15,6 +15,8 @@ struct RefinedCalibration {
     double time_offset_sigma_s = 0.0;
     Eigen::Vector3d rotation_sigma_rad = Eigen::Vector3d::Zero();  // of q_body_imu, axes of body
     bool time_offset_applied = false;
+    // Used where the estimate is not: the offset with which the dive was tracked.
+    double tracked_time_offset_s = 0.0;
     bool rotation_applied = false;
     // The two lenses, left and right.
     std::array<LensChange, 2> lenses;
@@ -31,7 +33,7 @@ struct RefinedCalibration {
     double applied_readout_time_s() const { return readout_time_applied ? readout_time_s : 0.0; }
     ImuAlignment applied_alignment() const {
         ImuAlignment applied;
-        if (time_offset_applied) applied.time_offset_s = imu.time_offset_s;
+        applied.time_offset_s = time_offset_applied ? imu.time_offset_s : tracked_time_offset_s;
         if (rotation_applied) applied.q_body_imu = imu.q_body_imu;
         return applied;
     }

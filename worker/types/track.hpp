@@ -46,6 +46,14 @@ struct FrameFeatures {
     std::int32_t num_with_depth = 0;  // found in the right image too
 };
 
+// Pairs in a row that could not be used: their images are missing, broken or repeated.
+struct UnusablePairs {
+    std::int64_t first = 0;  // its number among all pairs
+    std::int64_t num = 0;
+    std::int64_t next_frame = 0;  // the usable one after them, numbered among the usable ones
+    double duration_s = 0.0;      // from the usable one before them to the one after
+};
+
 // The result of steps 1 to 6 over all frames.
 struct Track {
     RectifiedRig rig;
@@ -55,13 +63,16 @@ struct Track {
     std::vector<MotionSource> motions;    // of every frame; of the first: Nothing
     Breaks breaks_ns;                     // the frames after the first with nothing measured
     std::vector<FrameFeatures> features;  // of every frame
+    std::vector<UnusablePairs> unusable;  // ascending
     std::vector<Rest> rests;              // ascending; `odometry` holds the motion within them
     std::vector<Keyframe> keyframes;
     std::vector<Keyframe> mapped;  // frames with depth in the store: keyframes and some between
     std::vector<Landmark> landmarks;
-    ImuAlignment imu_alignment;  // as estimated during tracking
-    SensorsLeftOut left_out;     // the sensors' data that the later steps must not use
+    ImuAlignment imu_alignment;     // as estimated during tracking
+    SensorsLeftOut left_out;        // the sensors' data that the later steps must not use
+    double pressure_error_m = 0.0;  // of changes over five seconds, RMS against vision
     std::vector<Finding> findings;
+    std::vector<Finding> image_findings;  // of the dive, made while its images were read
     TrackStatistics statistics;
     std::int32_t reduction = 1;  // the images were read at 1 / reduction of their size
 };

@@ -7,6 +7,7 @@
 #include "tests/synthetic/ideal_rig.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
 #include "tests/synthetic/tracked_dive.hpp"
+#include "worker/calibration/calibration_refinement.hpp"
 
 namespace divemesh::calibration {
 namespace {
@@ -27,13 +28,24 @@ Eigen::Isometry3d rolling(double frame) {
 class CalibrationProblemTest : public testing::Test {
 protected:
     CalibrationProblemTest() {
-        const auto late = [&](double t_s) {
-            return Eigen::Isometry3d(rolling(10.0 * (t_s - kDelay_s)) *
-                                     track_.rig.T_imu_cam.inverse());
-        };
         recording_.its_rig = synthetic::ideal_cameras(track_.rig);
         recording_.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4};
-        recording_.its_imu = synthetic::imu_along(late, 0.0, 0.5 * kNumKeyframes, {});
+        delay_imu(kDelay_s);
+    }
+    void delay_imu(double delay_s) {
+        const auto late = [&](double t_s) {
+            return Eigen::Isometry3d(rolling(10.0 * (t_s - delay_s)) *
+                                     track_.rig.T_imu_cam.inverse());
+        };
+        recording_.its_imu = synthetic::imu_along(late, 0.0, 0.5 * kNumKeyframes + 1.0, {});
+    }
+    CalibrationRefinement refined(const ReconstructionOptions& options) const {
+        return refine_calibration(track_,
+                                  recording_,
+                                  options,
+                                  imu::InertialPrior(recording_, {}, {}),
+                                  base::ignore_progress,
+                                  {});
     }
     types::SolverOutcome solve(int max_rounds) {
         const imu::InertialPrior inertial(recording_, {}, {});
@@ -44,7 +56,7 @@ protected:
         return outcome;
     }
 
-    const types::Track track_ = synthetic::tracked_dive(kNumKeyframes, rolling);
+    types::Track track_ = synthetic::tracked_dive(kNumKeyframes, rolling);
     synthetic::SensorRecording recording_;
     double time_offset_s_ = 0.0;
 };
@@ -54,6 +66,37 @@ TEST_F(CalibrationProblemTest, ConvergesToTheDelayOfTheClock) {
     EXPECT_EQ(outcome.termination, Termination::Converged) << outcome.message;
     EXPECT_LT(outcome.final_cost, outcome.initial_cost);
     EXPECT_NEAR(time_offset_s_, kDelay_s, 0.002);
+}
+
+// The dive was tracked with an offset of half a second, so the estimate lies near it.
+TEST_F(CalibrationProblemTest, ConvergesToADelayThatTrackingFound) {
+    delay_imu(0.5);
+    track_.imu_alignment.time_offset_s = 0.49;
+    solve(CalibrationProblem::kMaxRounds);
+    EXPECT_NEAR(time_offset_s_, 0.5, 0.002);
+}
+
+TEST_F(CalibrationProblemTest, WhatTrackingFoundIsUsedWhereNothingBetterIsKnown) {
+    track_.imu_alignment.time_offset_s = 0.3;
+    ReconstructionOptions options = make_options("standard", nlohmann::json::object());
+    options.align_imu = false;
+    EXPECT_EQ(refined(options).calibration.applied_alignment().time_offset_s, 0.3);
+    track_.keyframes.resize(3);
+    for (types::Landmark& landmark : track_.landmarks)
+        std::erase_if(landmark.observations, [](const auto& seen) { return seen.keyframe > 2; });
+    types::RefinedCalibration few =
+        refined(make_options("standard", nlohmann::json::object())).calibration;
+    EXPECT_EQ(few.applied_alignment().time_offset_s, 0.3);
+    few.leave_as_stated();
+    EXPECT_EQ(few.applied_alignment().time_offset_s, 0.3);
+}
+
+TEST_F(CalibrationProblemTest, AnEstimateThatThereIsNoDelayReplacesWhatTrackingFound) {
+    delay_imu(0.0);
+    track_.imu_alignment.time_offset_s = 0.008;
+    const types::RefinedCalibration found =
+        refined(make_options("standard", nlohmann::json::object())).calibration;
+    EXPECT_NEAR(found.applied_alignment().time_offset_s, 0.0, 0.002);
 }
 
 // A round starts from the linearisation of the one before, so the first is never the last.

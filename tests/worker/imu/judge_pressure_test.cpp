@@ -74,6 +74,34 @@ TEST(JudgePressureTest, NamesReadingsThatStay) {
     EXPECT_GT(found.held_share, 0.4);
 }
 
+// 98 is metres in mbar, whose noise grows with them.
+TEST(JudgePressureTest, NamesTheScaleOfOtherUnitsWithTheWavesInThem) {
+    const auto found =
+        judged([](double t_s) { return 98.0 * (depth_at(t_s) + 0.02 * std::sin(1.3 * t_s)); });
+    EXPECT_EQ(found.fault, PressureFault::Scaled);
+    EXPECT_NEAR(found.scale, 98.0, 3.0);
+}
+
+TEST(JudgePressureTest, NamesAZeroThatMoved) {
+    for (const double step_m : {0.3, -1.0}) {
+        const auto found =
+            judged([&](double t_s) { return depth_at(t_s) + (t_s > 23.0 ? step_m : 0.0); });
+        EXPECT_EQ(found.fault, PressureFault::Stepped) << step_m;
+        EXPECT_NEAR(found.step_m, step_m, 0.1);
+    }
+}
+
+TEST(JudgePressureTest, SwellAndADescentAreNoSteps) {
+    const auto with_swell = [](double t_s) { return depth_at(t_s) + 0.12 * std::sin(0.9 * t_s); };
+    EXPECT_EQ(judged(with_swell).fault, PressureFault::None);
+    types::Trajectory descent = path(0.0);
+    const auto sunk_m = [](double t_s) { return std::clamp(1.5 * (t_s - 20.0), 0.0, 3.0); };
+    for (types::StampedPose& pose : descent)
+        pose.T_world_imu.translation().z() -= sunk_m(1e-9 * static_cast<double>(pose.timestamp_ns));
+    const auto sinking = [&](double t_s) { return depth_at(t_s) + sunk_m(t_s); };
+    EXPECT_EQ(judged(sinking, descent).fault, PressureFault::None);
+}
+
 TEST(JudgePressureTest, AnotherDiveIsUnexplained) {
     EXPECT_EQ(judged([](double t_s) { return 8.0 + 1.5 * std::sin(t_s / 1.7); }).fault,
               PressureFault::Unexplained);

@@ -128,6 +128,22 @@ TEST(PreintegrationTest, ItsCovarianceIsTheSpreadOfNoisyIntegrals) {
         EXPECT_NEAR(squares[i] / kNumRuns / clean.covariance(i, i), 1.0, 0.25) << i;
 }
 
+// White noise of density s moves the velocity by s^2 dt and the position by s^2 dt^3 / 3.
+TEST(PreintegrationTest, ASingleStepHasTheCovarianceOfWhiteNoise) {
+    const auto samples = synthetic::imu_along(lively, 0.0, 1.0, {});
+    const types::ImuNoise noise;
+    const auto result = preintegrate(samples, 201'000'000, 204'000'000, {}, noise);
+    const auto& covariance = std::get<PreintegratedImu>(result).covariance;
+    constexpr double kDt_s = 0.003;
+    const double density = noise.accelerometer_noise_density;
+    EXPECT_NEAR(covariance(3, 3) / (density * density * kDt_s), 1.0, 1e-3);
+    EXPECT_NEAR(covariance(6, 6) / (density * density * kDt_s * kDt_s * kDt_s / 3.0), 1.0, 1e-3);
+    // The correlation of velocity and position is sqrt(3) / 2.
+    const double correlation = covariance(3, 6) / std::sqrt(covariance(3, 3) * covariance(6, 6));
+    EXPECT_NEAR(correlation, 0.5 * std::sqrt(3.0), 1e-3);
+    EXPECT_EQ(covariance.llt().info(), Eigen::Success);
+}
+
 TEST(PreintegrationTest, SaysWhyItRefuses) {
     auto samples = synthetic::imu_along(lively, 0.0, 1.0, {});
     const auto refusal = [&](std::int64_t from_ns, std::int64_t to_ns) {

@@ -148,5 +148,48 @@ TEST(InertialFactorsTest, ThePressureAloneTellsTheVerticalWhereTheDiverRisesAndS
     EXPECT_NEAR(reference.depth_offset_m, 8.0, 0.01);
 }
 
+// A recorder set to another density: the motion by vision keeps the heights, and its scale shows.
+TEST(InertialFactorsTest, DepthsOfAnotherDensityDoNotStretchThePath) {
+    constexpr double kScale = 1.03;
+    TiltedDive dive;
+    dive.recording.its_rig.imu_noise.reset();
+    BundleAdjustment bundle_adjustment(synthetic::rig());
+    std::vector<Eigen::Vector3d> truth;
+    for (std::size_t k = 0; k < dive.states.size(); ++k) {
+        const auto t = static_cast<double>(k);
+        const Eigen::Vector3d p(0.1 * t, 0.3 * std::sin(t), 1.5 * std::sin(0.7 * t));
+        dive.states[k] = BodyState::at(Eigen::Isometry3d(Eigen::Translation3d(p)), {});
+        truth.push_back(p);
+        bundle_adjustment.add_state(dive.states[k], k == 0);
+        dive.recording.its_pressure.push_back(
+            {dive.keyframes[k].timestamp_ns, 8.0 - kScale * p.z()});
+    }
+    for (std::size_t k = 1; k < truth.size(); ++k)
+        bundle_adjustment.add_motion(
+            dive.states[k - 1],
+            dive.states[k],
+            Eigen::Isometry3d(Eigen::Translation3d(truth[k] - truth[k - 1])),
+            0.001,
+            0.0005);
+    const WorldReference reference =
+        dive.solve(bundle_adjustment, imu::InertialPrior(dive.recording, {}));
+    double worst_m = 0.0;
+    for (std::size_t k = 0; k < truth.size(); ++k)
+        worst_m = std::max(worst_m, (dive.states[k].p_world_imu - truth[k]).norm());
+    EXPECT_NEAR(reference.depth_scale, kScale, 0.003);
+    EXPECT_LT(worst_m, 0.001);
+}
+
+TEST(InertialFactorsTest, DepthsThatErrForSecondsWeighLess) {
+    TiltedDive dive;
+    dive.recording.its_pressure = {{0, 5.0}, {1'000'000'000, 5.0}};
+    imu::InertialPrior inertial(dive.recording, {});
+    EXPECT_EQ(inertial.readings(0, 500'000'000).depth_sigma_m, imu::kUsualDepthSigma_m);
+    inertial.set_pressure_error(0.02);
+    EXPECT_EQ(inertial.readings(0, 500'000'000).depth_sigma_m, imu::kUsualDepthSigma_m);
+    inertial.set_pressure_error(0.2);
+    EXPECT_NEAR(inertial.readings(0, 500'000'000).depth_sigma_m, 0.45, 0.01);
+}
+
 }  // namespace
 }  // namespace divemesh::optimisation

@@ -51,6 +51,12 @@ TEST_F(KnownMotionsTest, ARestThatEndsLongBeforeTheNextKeyframeDoesNotConnectThe
     EXPECT_TRUE(motions().empty());
 }
 
+TEST_F(KnownMotionsTest, ARestThatBeginsAfterTheNextKeyframeDoesNotConnectThem) {
+    track_.keyframes[1].timestamp_ns = kSecond_ns;
+    track_.rests = {{kSecond_ns, 9 * kSecond_ns, 0.002, 0.003}};
+    EXPECT_TRUE(motions().empty());
+}
+
 TEST_F(KnownMotionsTest, AnUnmeasuredMotionIsThePredictedOne) {
     for (types::Landmark& landmark : track_.landmarks) landmark.observations.pop_back();
     const auto known = motions();

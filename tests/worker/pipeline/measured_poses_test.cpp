@@ -13,7 +13,7 @@ using types::MotionSource;
 constexpr std::int64_t kPeriod_ns = 100'000'000;
 
 // Returns a track of ten frames a second, given what measured the motion to each frame: 'v' vision,
-// '-' nothing. The given frames are keyframes.
+// 'i' the IMU, '-' nothing. The given frames are keyframes.
 types::Track track_of(const std::string& motions, const std::vector<int>& keyframes) {
     types::Track track;
     for (std::size_t i = 0; i < motions.size(); ++i) {
@@ -21,7 +21,9 @@ types::Track track_of(const std::string& motions, const std::vector<int>& keyfra
                                       Eigen::Isometry3d::Identity()};
         track.causal.push_back(pose);
         track.odometry.push_back(pose);
-        track.motions.push_back(motions[i] == 'v' ? MotionSource::Vision : MotionSource::Nothing);
+        track.motions.push_back(motions[i] == 'v'   ? MotionSource::Vision
+                                : motions[i] == 'i' ? MotionSource::Imu
+                                                    : MotionSource::Nothing);
     }
     for (const int frame : keyframes)
         track.keyframes.push_back({.frame_index = frame, .timestamp_ns = frame * kPeriod_ns});
@@ -112,24 +114,29 @@ protected:
 };
 
 TEST_F(BridgeByImuTest, AGapOfASecondIsMeasuredByTheImu) {
-    EXPECT_EQ(bridged("-vv----vv"), "-vviiiivv");
-    EXPECT_EQ(bridged("-vv----------vv"), "-vviiiiiiiiiivv");
+    EXPECT_EQ(bridged("-vviiiivv"), "-vviiiivv");
+    EXPECT_EQ(bridged("-vviiiiiiiiiivv"), "-vviiiiiiiiiivv");
 }
 
 TEST_F(BridgeByImuTest, ALongerGapIsNotMeasured) {
-    EXPECT_EQ(bridged("-vv-----------vv"), "-vv-----------vv");
+    EXPECT_EQ(bridged("-vviiiiiiiiiiivv"), "-vv-----------vv");
 }
 
 TEST_F(BridgeByImuTest, AGapWithVisionOnOneSideOnlyIsNotMeasured) {
-    EXPECT_EQ(bridged("---vv"), "---vv");
-    EXPECT_EQ(bridged("-vv--"), "-vv--");
+    EXPECT_EQ(bridged("-iivv"), "---vv");
+    EXPECT_EQ(bridged("-vvii"), "-vv--");
 }
 
 TEST_F(BridgeByImuTest, AGapThatTheImuHasTooIsNotMeasured) {
     std::erase_if(recording_.its_imu, [](const types::ImuSample& sample) {
         return sample.timestamp_ns > 3 * kPeriod_ns && sample.timestamp_ns < 5 * kPeriod_ns;
     });
+    EXPECT_EQ(bridged("-vviiiivv"), "-vv----vv");
+}
+
+TEST_F(BridgeByImuTest, AGapThatTheImuDidNotPredictThroughoutIsNotMeasured) {
     EXPECT_EQ(bridged("-vv----vv"), "-vv----vv");
+    EXPECT_EQ(bridged("-vvii-ivv"), "-vv----vv");
 }
 
 }  // namespace

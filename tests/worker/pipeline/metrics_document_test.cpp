@@ -137,6 +137,24 @@ TEST(MetricsDocument, FitsItsSchemaWithACalibrationInAnotherMedium) {
     EXPECT_EQ(document["calibration"]["alignment"]["medium"]["refractive_index"], 1.337);
 }
 
+TEST(MetricsDocument, AnEstimatedImuIsToldWithoutLenses) {
+    MetricsInput input = plain_dive();
+    EXPECT_FALSE(metrics_document(input)["calibration"].contains("refined"));
+    input.rig.imu_noise = types::ImuNoise{};
+    input.refined.imu.time_offset_s = 0.012;
+    input.refined.time_offset_sigma_s = 1e-4;
+    input.refined.time_offset_applied = true;
+
+    const json document = metrics_document(input);
+
+    EXPECT_TRUE(is_valid(document));
+    const json& refined = document["calibration"]["refined"];
+    EXPECT_EQ(refined["time_offset_s"]["value"], 0.012);
+    EXPECT_EQ(refined["time_offset_s"]["applied"], true);
+    EXPECT_TRUE(refined.contains("rotation_deg"));
+    EXPECT_FALSE(refined.contains("lenses"));
+}
+
 TEST(MetricsDocument, TheSchemaRefusesWhatIsMissingUnknownOrOfTheWrongType) {
     const json good = metrics_document(dive_with_everything());
     json bad = good;

@@ -18,9 +18,11 @@
 #include "storage/blob_store.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/pipeline/blob_stage_store.hpp"
+#include "worker/dive/dive.hpp"
 #include "worker/pipeline/link_or_copy.hpp"
 #include "worker/pipeline/reconstruction_stages.hpp"
 #include "worker/pipeline/stage_key_file.hpp"
+#include "worker/simulator/dive_files.hpp"
 #include "worker/simulator/simulate.hpp"
 
 namespace divemesh::pipeline {
@@ -160,6 +162,44 @@ TEST_F(ReconstructDiveTest, ADiveThatIsRefusedTellsItsFindingsFirst) {
     EXPECT_TRUE(has_error(told));
 }
 
+TEST_F(ReconstructDiveTest, ARefusedDiveLeavesNothingOfAnEarlierResultButWhatItsUserKeeps) {
+    reconstruct("model", {{"voxel_m", 0.02}, {"exports", "kitti,euroc,obj"}});
+    ASSERT_TRUE(fs::exists(folder_ / "model/mosaic.pgw"));
+    std::ofstream(folder_ / "model/notes.txt") << "kept";
+    fs::remove(folder_ / "dive/mav0/cam1/sensor.yaml");
+    EXPECT_THROW(
+        reconstruct_dive(request("model", nlohmann::json::object()), base::ignore_progress), Error);
+    EXPECT_EQ(names_in(folder_ / "model"), (std::set<std::string>{"notes.txt"}));
+}
+
+TEST_F(ReconstructDiveTest, ADiveThatDoesNotExistRemovesNothing) {
+    fs::create_directories(folder_ / "model");
+    std::ofstream(folder_ / "model/mesh.ply") << "kept";
+    auto mistyped = request("model", nlohmann::json::object());
+    mistyped.dive = folder_ / "dvie";
+    EXPECT_THROW(reconstruct_dive(mistyped, base::ignore_progress), Error);
+    EXPECT_TRUE(fs::exists(folder_ / "model/mesh.ply"));
+}
+
+// The images say nothing against the rig: all but the first pair are blank.
+TEST_F(ReconstructDiveTest, ADiveWhoseCamerasShareNoFieldOfViewIsRefused) {
+    blank_all_but_the_first(folder_ / "dive");
+    types::Rig rig = dive::Dive::open(folder_ / "dive", folder_ / "opened")->rig();
+    for (types::Camera* camera : {&rig.cam0, &rig.cam1}) {
+        camera->fx_px *= 4.0;
+        camera->fy_px *= 4.0;
+    }
+    rig.T_imu_cam1.rotate(Eigen::AngleAxisd(-0.6, Eigen::Vector3d::UnitY()));  // inward
+    simulator::write_camera_yaml(folder_ / "dive/mav0/cam0", rig.cam0, rig.T_imu_cam0, 8.0);
+    simulator::write_camera_yaml(folder_ / "dive/mav0/cam1", rig.cam1, rig.T_imu_cam1, 8.0);
+    std::vector<Finding> told;
+    auto refused = request("refused", nlohmann::json::object());
+    refused.dive_checked = [&](const std::vector<Finding>& findings) { told = findings; };
+    EXPECT_THROW(reconstruct_dive(refused, base::ignore_progress), Error);
+    ASSERT_FALSE(told.empty());
+    EXPECT_EQ(told.back().code, "calibration_no_overlap");
+}
+
 // Returns the names of the stages that leave files, up to and without `end`; "": all of them.
 std::set<std::string> kept_stages_before(const std::string& end) {
     std::set<std::string> names;
@@ -193,6 +233,25 @@ TEST_F(ReconstructDiveTest, ARunStartsWhereItDiffersFromAnEarlierOne) {
     expect_same_files("fresh-coarse", "coarse");
     expect_same_files("fresh-meshed", "meshed");
     expect_same_files("fresh-stated", "stated");
+}
+
+// What reading the images found is told by a run that does not read them again.
+TEST_F(ReconstructDiveTest, ABrokenImageIsToldByEveryRun) {
+    const fs::path broken = *fs::directory_iterator(folder_ / "dive/mav0/cam1/data");
+    fs::resize_file(broken, 100);
+    cache_ = folder_ / "cache";
+    const auto first = reconstruct("first", {{"voxel_m", 0.02}});
+    const auto again = reconstruct("again", {{"voxel_m", 0.03}});
+    ASSERT_EQ(reused(again), kept_stages_before("fuse"));
+    const auto num_undecodable = [](const nlohmann::json& metrics) {
+        return std::ranges::count_if(metrics["findings"], [](const nlohmann::json& finding) {
+            return finding["code"] == "image_undecodable";
+        });
+    };
+    EXPECT_EQ(num_undecodable(first), 1);
+    EXPECT_EQ(num_undecodable(again), 1);
+    EXPECT_EQ(first["findings"], again["findings"]);
+    EXPECT_EQ(first["verdict"], again["verdict"]);
 }
 
 TEST_F(ReconstructDiveTest, AnAttemptGoesOnFromWhatTheOneBeforeLeftInItsScratchFolder) {

@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
+#include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -68,6 +73,65 @@ TEST_F(SensorAttemptsTest, AClippedAccelerometerIsNotUsedFromTheStart) {
     const SensorAttempts attempts(recording_);
     EXPECT_TRUE(attempts.plan().left_out.accelerometer);
     EXPECT_FALSE(attempts.plan().left_out.imu);
+}
+
+TEST_F(SensorAttemptsTest, AClockThatIsNeverRightEndsWithoutTheImu) {
+    SensorAttempts attempts(recording_);
+    for (int attempt = 1; attempt <= 4; ++attempt) {
+        EXPECT_FALSE(attempts.plan().left_out.imu) << attempt;
+        imu::SensorWatch watch(recording_, {.imu = true, .ahrs = false}, attempts.plan());
+        watch.aligned({.time_offset_s = 0.03 * attempt});
+        EXPECT_TRUE(attempts.again(watch, {}));
+    }
+    EXPECT_TRUE(attempts.plan().left_out.imu);
+    EXPECT_FALSE(again(attempts, kNumFrames));
+}
+
+// Returns a rig that sways about all axes.
+Eigen::Isometry3d T_world_body(double t_s) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() =
+        (base::rotation_from_vector({0.2 * std::sin(0.9 * t_s) + 0.1 * std::sin(2.1 * t_s), 0, 0}) *
+         base::rotation_from_vector({0, 0.2 * std::sin(0.7 * t_s), 0}) *
+         base::rotation_from_vector({0, 0, 0.1 * t_s + 0.2 * std::sin(1.3 * t_s)}))
+            .toRotationMatrix();
+    pose.translation() << 0.2 * t_s, 0.1 * std::sin(0.5 * t_s), 0.0;
+    return pose;
+}
+
+// Attempts to track a dive of two minutes whose IMU fits, but for four seconds that each attempt
+// finds elsewhere.
+TEST(SensorAttemptsOfAGoodImuTest, OneMoreBadSecondDoesNotCostTheImu) {
+    constexpr int kFrames = 1200;  // at 10 Hz
+    synthetic::SensorRecording good;
+    good.its_rig.imu_noise = types::ImuNoise{};
+    good.its_imu = synthetic::imu_along(T_world_body, -1.5, 0.1 * kFrames + 1.5, {});
+    const auto again = [&](SensorAttempts& attempts, std::int64_t fails_at_s) {
+        synthetic::SensorRecording recording = good;
+        for (types::ImuSample& sample : recording.its_imu)
+            if (std::abs(sample.timestamp_ns - fails_at_s * 1'000'000'000) < 2'000'000'000)
+                sample.angular_velocity_imu << 0.4, -0.3, 0.2;
+        imu::InertialPrior inertial(
+            recording, preset_options("standard"), attempts.plan().left_out);
+        imu::SensorWatch watch(recording, {.imu = true, .ahrs = false}, attempts.plan());
+        for (int k = 1; k <= kFrames; ++k)
+            watch.watch({base::to_ns(0.1 * (k - 1)),
+                         base::to_ns(0.1 * k),
+                         T_world_body(0.1 * (k - 1)).inverse() * T_world_body(0.1 * k)},
+                        inertial);
+        EXPECT_FALSE(watch.restart()) << fails_at_s;
+        types::Track track;
+        track.motions.assign(kFrames, types::MotionSource::Vision);
+        return attempts.again(watch, track);
+    };
+    SensorAttempts attempts(good);
+    for (const std::int64_t fails_at_s : {17, 37, 57, 77}) {
+        EXPECT_TRUE(again(attempts, fails_at_s)) << fails_at_s;
+        EXPECT_FALSE(attempts.plan().left_out.imu) << fails_at_s;
+    }
+    EXPECT_FALSE(again(attempts, 97));
+    EXPECT_FALSE(attempts.plan().left_out.imu);
+    EXPECT_EQ(attempts.plan().left_out.imu_times.size(), 5U);
 }
 
 }  // namespace

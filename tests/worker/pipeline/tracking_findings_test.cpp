@@ -100,5 +100,53 @@ TEST_F(TrackingFindingsTest, LessThanATenthByVisionIsNoModel) {
     EXPECT_FALSE(too_little_tracked(track_));
 }
 
+// The right camera hung after 100 of 1000 pairs: the recorder wrote its last image on.
+TEST_F(TrackingFindingsTest, PairsThatCouldNotBeUsedAreMissedByTheirTime) {
+    swim(0.1, 100, 99, {});
+    track_.unusable = {{100, 50, 100, 25.0}};
+    auto findings = tracking_findings(track_);
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_EQ(findings[0].code, "images_unusable");
+    EXPECT_EQ(findings[0].severity, Severity::Warning);
+    EXPECT_EQ(findings[0].where, "pairs 100 to 149");
+    EXPECT_NE(findings[0].message.find("50 of 150 pairs"), std::string::npos)
+        << findings[0].message;
+    EXPECT_EQ(verdict_on(findings), Verdict::UsableWithRestrictions);
+    EXPECT_FALSE(too_little_tracked(track_));
+
+    track_.unusable = {{100, 900, 100, 450.0}};
+    const auto failed = too_little_tracked(track_);
+    ASSERT_TRUE(failed);
+    EXPECT_NE(failed->message.find("900 of 1000 pairs"), std::string::npos) << failed->message;
+}
+
+TEST_F(TrackingFindingsTest, ACameraThatRepeatsItsImagesIsOnlySlower) {
+    swim(0.1, 100, 99, {});
+    for (int i = 1; i < 100; ++i) track_.unusable.push_back({3 * i - 2, 2, i, 0.75});
+    EXPECT_TRUE(tracking_findings(track_).empty());
+    EXPECT_FALSE(too_little_tracked(track_));
+}
+
+TEST_F(TrackingFindingsTest, OneUsablePairOfManyIsNoModel) {
+    track_.statistics.num_frames = track_.statistics.num_frames_tracked = 1;
+    track_.odometry.resize(1);
+    track_.unusable = {{1, 99, 1, 0.0}};
+    EXPECT_TRUE(too_little_tracked(track_));
+    track_.statistics = {};
+    track_.odometry.clear();
+    track_.unusable = {{0, 100, 0, 0.0}};
+    EXPECT_TRUE(too_little_tracked(track_));
+}
+
+TEST_F(TrackingFindingsTest, MotionsThatTheImuBridgedAllAreNoModelEither) {
+    swim(0.1, 1, 98, {300, 290});
+    for (int i = 1; i < 99; ++i) track_.motions[static_cast<std::size_t>(i)] = MotionSource::Imu;
+    track_.breaks_ns = breaks_of(track_);
+    ASSERT_TRUE(track_.breaks_ns.empty());
+    const auto failed = too_little_tracked(track_);
+    ASSERT_TRUE(failed);
+    EXPECT_FALSE(failed->message.empty());
+}
+
 }  // namespace
 }  // namespace divemesh::pipeline
