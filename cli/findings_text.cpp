@@ -39,6 +39,18 @@ std::string finding_text(const Finding& finding) {
     return text;
 }
 
+std::string verdict_words(const std::string& verdict,
+                          const std::vector<std::string>& restrictions) {
+    std::string text = words_of(verdict);
+    const char* separator = ": ";
+    for (const std::string& restricted : restrictions) {
+        if (restricted == "all") continue;
+        text += separator + restricted;
+        separator = ", ";
+    }
+    return text;
+}
+
 std::string verdict_text(const std::vector<Finding>& findings) {
     std::vector<Finding> sorted = findings;
     std::stable_sort(sorted.begin(), sorted.end(), [](const Finding& a, const Finding& b) {

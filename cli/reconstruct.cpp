@@ -111,7 +111,9 @@ void add_reconstruct(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand("reconstruct", "reconstruct a dive on this machine");
     auto options = std::make_shared<ReconstructOptions>();
     command->add_option("dive", options->dive, "folder or archive (zip, tar, tar.gz, tar.zst)");
-    command->add_option("--out", options->out, "output folder, created if missing");
+    command->add_option("--out",
+                        options->out,
+                        "output folder, created if missing; an earlier result in it is removed");
     add_preset_options(*command, options->preset);
     add_override<int>(*command,
                       options,

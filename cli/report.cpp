@@ -1,5 +1,3 @@
-#include <algorithm>
-#include <cstdio>
 #include <fstream>
 #include <iostream>
 #include <memory>
@@ -11,11 +9,10 @@
 #include "cli/follow.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/jobs_by_server.hpp"
-#include "cli/metrics_table.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/report_text.hpp"
 #include "cli/scratch.hpp"
 #include "cli/server_options.hpp"
-#include "cli/text.hpp"
 #include "schemas/requirement.hpp"
 #include "worker/report/accuracy_report.hpp"
 
@@ -45,70 +42,9 @@ std::optional<fs::path> given(const fs::path& path) {
     return path.empty() ? std::nullopt : std::optional<fs::path>(path);
 }
 
-std::string value_text(const nlohmann::json& value) {
-    if (!value.is_number()) return "-";
-    char text[40];
-    std::snprintf(text, sizeof text, "%.6g", value.get<double>());
-    return text;
-}
-
-std::string unit_text(const nlohmann::json& metric) {
-    const auto unit = metric.at("unit").get<std::string>();
-    return unit == "1" || !metric.at("value").is_number() ? "" : " " + unit;
-}
-
-// Adds lever arm and time offset if they were solved.
-void add_truth(const nlohmann::json& report, std::vector<std::vector<std::string>>& rows) {
-    const nlohmann::json truth = report.value("truth", nlohmann::json::object());
-    if (!truth.contains("num_poses")) return;
-    const auto& offset = truth.at("time_offset_s");
-    const auto& lever = truth.at("lever_arm_m");
-    if (offset.contains("sigma"))
-        rows.push_back({"",
-                        "time offset of the truth",
-                        value_text(offset.at("value")) + " s, sigma " +
-                            value_text(offset.at("sigma")) + " s"});
-    if (lever.contains("sigma"))
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            rows.push_back({"",
-                            std::string("lever arm of the truth, ") + "xyz"[axis],
-                            value_text(lever.at("vector").at(axis)) + " m, sigma " +
-                                value_text(lever.at("sigma").at(axis)) + " m"});
-}
-
-// Returns the verdicts, then the metrics that papers quote.
-std::string summary(const nlohmann::json& report) {
-    constexpr const char* kQuoted[] = {"trajectory.final.ate_rmse_m",
-                                       "trajectory.final.drift_percent",
-                                       "surface.accuracy.median_m",
-                                       "surface.completeness.median_m",
-                                       "known_distances.scale_error"};
-    std::vector<std::vector<std::string>> rows;
-    for (const auto& requirement : report.at("requirements"))
-        rows.push_back({requirement.at("met").get<bool>() ? "met" : "NOT MET",
-                        requirement.at("text").get<std::string>(),
-                        requirement.at("reason").get<std::string>()});
-    for (const auto& regression : report.at("regressions"))
-        rows.push_back({"WORSE",
-                        regression.at("figure").get<std::string>(),
-                        value_text(regression.at("value")) + ", limit from its history " +
-                            value_text(regression.at("limit"))});
-    for (const auto& metric : report.at("figures"))
-        if (std::find(std::begin(kQuoted),
-                      std::end(kQuoted),
-                      metric.at("figure").get<std::string>()) != std::end(kQuoted))
-            rows.push_back({"",
-                            metric.at("figure").get<std::string>(),
-                            value_text(metric.at("value")) + unit_text(metric)});
-    add_truth(report, rows);
-    return table_text(rows);
-}
-
 int finish(const nlohmann::json& report, const Context& context) {
-    for (const auto& finding : report.at("findings"))
-        std::cerr << finding.at("severity").get<std::string>() << ": "
-                  << finding.at("message").get<std::string>() << '\n';
-    std::cout << (context.json ? report.dump(2) + "\n" : summary(report));
+    std::cerr << report_findings(report);
+    std::cout << (context.json ? report.dump(2) + "\n" : report_summary(report));
     return report.at("passed") == false ? kExitRequirementUnmet : kExitDone;
 }
 

@@ -2,9 +2,12 @@
 
 #include <fstream>
 #include <string>
+#include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "schemas/error.hpp"
+#include "schemas/json.hpp"
 #include "worker/io/covariance_file.hpp"
 #include "worker/io/ply.hpp"
 #include "worker/io/rig_json.hpp"
@@ -13,7 +16,39 @@
 namespace divemesh::io {
 namespace {
 
+namespace fs = std::filesystem;
 using nlohmann::json;
+
+// Every file of a result (docs/measuring.md) apart from the images of its keyframes. The first one
+// makes a folder a reconstruction.
+constexpr std::string_view kFiles[] = {
+    "metrics.json",
+    "report.html",
+    "mesh.ply",
+    "mesh.glb",
+    "cloud.ply",
+    "mosaic.png",
+    "mosaic.pgw",
+    "mosaic_height.png",
+    "mosaic_height.pgw",
+    "mosaic.json",
+    "trajectory.tum",
+    "trajectory_causal.tum",
+    "trajectory_predicted.tum",
+    "trajectory_covariance.csv",
+    "keyframes.json",
+    // exports
+    "trajectory_kitti.txt",
+    "trajectory_euroc.csv",
+    "mesh_obj.zip",
+    "mosaic.tif",
+    "mosaic_height.tif",
+    // the report on its accuracy
+    "accuracy/report.json",
+    "accuracy/report.csv",
+    "accuracy/report.html",
+    "accuracy/junit.xml",
+};
 
 json read_json(const std::filesystem::path& file) {
     std::ifstream stream(file);
@@ -28,6 +63,33 @@ json read_json(const std::filesystem::path& file) {
     return document;
 }
 
+// Returns whether this is the name of a keyframe's image, e.g. 000012.jpg.
+bool is_keyframe_image(const fs::path& file) {
+    const std::string number = file.stem().string();
+    return file.extension() == ".jpg" && number.size() >= 6 &&
+           number.find_first_not_of("0123456789") == std::string::npos;
+}
+
+void remove_file(const fs::path& file) {
+    std::error_code failure;
+    if (fs::is_directory(fs::symlink_status(file, failure))) return;
+    fs::remove(file, failure);
+    if (failure && failure != std::errc::no_such_file_or_directory &&
+        failure != std::errc::not_a_directory)
+        throw Error(ErrorCode::Unavailable,
+                    "cannot remove " + file.string() + " of an earlier result: " +
+                        failure.message() + ": remove it, or give another output folder");
+}
+
+void remove_keyframe_images(const fs::path& folder) {
+    std::error_code failure;
+    std::vector<fs::path> images;  // a folder must not change while it is listed
+    for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
+         entry.increment(failure))
+        if (is_keyframe_image(entry->path())) images.push_back(entry->path());
+    for (const fs::path& image : images) remove_file(image);
+}
+
 // Runs `read` and adds the file's name to errors, such as a field of the wrong type.
 template <typename Read>
 auto of_file(const std::filesystem::path& file, const Read& read) try {
@@ -35,13 +97,31 @@ auto of_file(const std::filesystem::path& file, const Read& read) try {
 } catch (const json::exception& error) {
     throw Error(ErrorCode::BadData, file.string() + ": " + error.what());
 } catch (const Error& error) {
-    throw Error(error.code(), file.string() + ": " + error.what());
+    throw Error(ErrorCode::BadData, file.string() + ": " + error.what());
 }
 
 }  // namespace
 
 ReconstructionFolder::ReconstructionFolder(std::filesystem::path folder)
     : folder_(std::move(folder)), metrics_(read_json(folder_ / "metrics.json")) {}
+
+std::optional<Verdict> ReconstructionFolder::verdict() const {
+    if (!metrics_.contains("verdict")) return std::nullopt;
+    return of_file(folder_ / "metrics.json",
+                   [&] { return verdict_from_string(metrics_.at("verdict").get<std::string>()); });
+}
+
+std::vector<std::string> ReconstructionFolder::restrictions() const {
+    return of_file(folder_ / "metrics.json", [&] {
+        return metrics_.value("restrictions", json::array()).get<std::vector<std::string>>();
+    });
+}
+
+std::vector<Finding> ReconstructionFolder::findings() const {
+    return of_file(folder_ / "metrics.json", [&] {
+        return metrics_.value("findings", json::array()).get<std::vector<Finding>>();
+    });
+}
 
 bool ReconstructionFolder::has_surface() const {
     return std::filesystem::exists(folder_ / "mesh.ply");
@@ -108,6 +188,16 @@ double ReconstructionFolder::scale_sigma() const {
         return metrics_.value(json::json_pointer("/calibration/scale_sigma"),
                               types::kCalibrationSigma);
     });
+}
+
+void remove_reconstruction(const fs::path& folder) {
+    for (const std::string_view name : kFiles) remove_file(folder / name);
+    remove_keyframe_images(folder / "keyframes");
+    for (const char* emptied : {"keyframes", "accuracy"}) {
+        std::error_code not_empty;
+        if (fs::is_directory(fs::symlink_status(folder / emptied, not_empty)))
+            fs::remove(folder / emptied, not_empty);
+    }
 }
 
 }  // namespace divemesh::io

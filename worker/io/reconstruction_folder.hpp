@@ -5,8 +5,11 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "schemas/finding.hpp"
+#include "schemas/verdict.hpp"
 #include "worker/types/mesh.hpp"
 #include "worker/types/path_uncertainty.hpp"
 #include "worker/types/pose_covariance.hpp"
@@ -33,8 +36,12 @@ public:
 
     const std::filesystem::path& path() const { return folder_; }
     const nlohmann::json& metrics() const { return metrics_; }  // metrics.json
-    bool has_surface() const;                                   // false with --set surface=false
-    types::Trajectory trajectory() const;                       // T_world_imu, final
+    // Returns what the result can be used for; nullopt for files of older versions.
+    std::optional<Verdict> verdict() const;
+    std::vector<std::string> restrictions() const;  // what the findings restrict
+    std::vector<Finding> findings() const;          // on the dive and on the result
+    bool has_surface() const;                       // false with --set surface=false
+    types::Trajectory trajectory() const;           // T_world_imu, final
     types::Trajectory causal_trajectory() const;
     types::CovarianceTrack covariances() const;  // of trajectory(); empty: unknown
     types::Mesh mesh() const;  // mesh.ply, with normals, sigma and observation counts
@@ -53,5 +60,11 @@ private:
     std::filesystem::path folder_;
     nlohmann::json metrics_;
 };
+
+// Removes the files of an earlier result from a folder, metrics.json first: those that
+// `divemesh reconstruct` writes, their exports and the report in accuracy/. Keeps all other files,
+// and every folder that is not empty afterwards. Throws Error{Unavailable} if a file cannot be
+// removed.
+void remove_reconstruction(const std::filesystem::path& folder);
 
 }  // namespace divemesh::io

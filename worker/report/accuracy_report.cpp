@@ -5,6 +5,7 @@
 #include "schemas/json.hpp"
 #include "schemas/metric.hpp"
 #include "schemas/requirement.hpp"
+#include "schemas/verdict.hpp"
 #include "worker/base/atomic_file.hpp"
 #include "worker/report/report_formats.hpp"
 #include "worker/report/report_inputs.hpp"
@@ -30,6 +31,29 @@ std::string text_at(const json& document, const char* pointer) {
     return document.value(json::json_pointer(pointer), std::string());
 }
 
+// Returns "reconstruction" of report.json: the verdict and the findings as metrics.json states
+// them.
+json reconstruction_section(const io::ReconstructionFolder& reconstruction) {
+    const json& metrics = reconstruction.metrics();
+    json section = {{"version", text_at(metrics, "/version")},
+                    {"preset", text_at(metrics, "/preset")},
+                    {"calibration_sha256", text_at(metrics, "/calibration/sha256")},
+                    {"findings", reconstruction.findings()}};
+    const auto verdict = reconstruction.verdict();
+    if (!verdict) return section;
+    section["verdict"] = to_string(*verdict);
+    section["restrictions"] = reconstruction.restrictions();
+    return section;
+}
+
+// Returns why no requirement on this result is met; "" if it is usable.
+std::string reason_against(const io::ReconstructionFolder& reconstruction) {
+    const auto error = first_error(reconstruction.findings());
+    if (!error && reconstruction.verdict() != Verdict::NotUsable) return "";
+    return "the reconstruction is not usable" +
+           (error ? " (" + error->code + "): " + error->message : std::string());
+}
+
 json report_document(const AccuracyReportRequest& request,
                      const std::vector<Requirement>& requirements,
                      const ReportInputs& inputs,
@@ -40,20 +64,19 @@ json report_document(const AccuracyReportRequest& request,
     for (Metric& metric : flattened)
         if (!metric.value && metric.name.ends_with(".drift_percent"))
             metric.method = "refused: the path is shorter than the shortest segment";
-    json report = {{"format", 1},
-                   {"version", DIVEMESH_VERSION},
-                   {"dive",
-                    {{"name", text_at(metrics, "/dive/name")},
-                     {"content_sha256", text_at(metrics, "/dive/content_sha256")}}},
-                   {"reconstruction",
-                    {{"version", text_at(metrics, "/version")},
-                     {"preset", text_at(metrics, "/preset")},
-                     {"calibration_sha256", text_at(metrics, "/calibration/sha256")}}},
-                   {"files", inputs.files},
-                   {"figures", json::array()},
-                   {"requirements", judge_requirements(requirements, flattened)},
-                   {"regressions", find_regressions(request.history, flattened)},
-                   {"findings", measured.findings}};
+    json report = {
+        {"format", 1},
+        {"version", DIVEMESH_VERSION},
+        {"dive",
+         {{"name", text_at(metrics, "/dive/name")},
+          {"content_sha256", text_at(metrics, "/dive/content_sha256")}}},
+        {"reconstruction", reconstruction_section(inputs.reconstruction)},
+        {"files", inputs.files},
+        {"figures", json::array()},
+        {"requirements",
+         judge_requirements(requirements, flattened, reason_against(inputs.reconstruction))},
+        {"regressions", find_regressions(request.history, flattened)},
+        {"findings", measured.findings}};
     for (const Metric& metric : flattened) report["figures"].push_back(to_json(metric));
     report["passed"] = passed(report["requirements"]);
     if (!measured.reef.is_null()) report["reef"] = measured.reef;

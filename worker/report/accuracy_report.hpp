@@ -35,9 +35,10 @@ struct AccuracyReportRequest {
 
 // Compares a reconstruction with the known truth and writes report.json
 // (schemas/report.schema.json), report.csv, report.html and junit.xml into `out`; returns the
-// content of report.json. A truth that does not fit is a finding in it, and its metrics are
-// missing. Throws Error{InvalidArgument} for a wrong requirement or option, Error{NotFound} and
-// Error{BadData} for a missing or unreadable file, Error{Cancelled}.
+// content of report.json. It repeats the verdict and the findings of the reconstruction; no
+// requirement on one that is not usable is met. A truth that does not fit is a finding, and its
+// metrics are missing. Throws Error{InvalidArgument} for a wrong requirement or option,
+// Error{NotFound} and Error{BadData} for a missing or unreadable file, Error{Cancelled}.
 nlohmann::json make_accuracy_report(const AccuracyReportRequest& request,
                                     const base::ProgressCallback& progress);
 

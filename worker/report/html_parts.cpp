@@ -30,6 +30,20 @@ json grid_values(const std::vector<std::vector<std::string>>& rows) {
             {"body", std::vector<std::vector<std::string>>(rows.begin() + 1, rows.end())}};
 }
 
+json verdict_values(const json& judged) {
+    const std::string verdict = judged.value("verdict", std::string());
+    if (verdict.empty()) return nullptr;
+    if (verdict == "good") return {{"class", "met"}, {"text", "Good"}};
+    std::string text = verdict == "not_usable" ? "Not usable" : "Usable with restrictions";
+    const char* separator = ": ";
+    for (const json& restricted : judged.value("restrictions", json::array())) {
+        if (restricted == "all") continue;
+        text += separator + restricted.get<std::string>();
+        separator = ", ";
+    }
+    return {{"class", verdict == "not_usable" ? "error" : "warning"}, {"text", text}};
+}
+
 json findings_values(const json& findings) {
     if (findings.empty()) return nullptr;
     json list = json::array();

@@ -23,6 +23,10 @@ nlohmann::json rows_values(const HtmlRows& rows);
 // Returns the values for {{>grid}}, a table whose first row is its head; null without further rows.
 nlohmann::json grid_values(const std::vector<std::vector<std::string>>& rows);
 
+// Returns the verdict of metrics.json or of a report's "reconstruction" in words, as `text`, e.g.
+// "Usable with restrictions: path, scale", and its `class`; null in documents of earlier versions.
+nlohmann::json verdict_values(const nlohmann::json& judged);
+
 // Returns the values for {{>findings}}, as they are in metrics.json.
 nlohmann::json findings_values(const nlohmann::json& findings);
 

@@ -10,26 +10,6 @@ namespace divemesh::report {
 
 using nlohmann::json;
 
-namespace {
-
-// Returns the verdict in words, e.g. "Usable with restrictions: path, scale"; null in documents
-// of earlier versions.
-json verdict_values(const json& metrics) {
-    const std::string verdict = metrics.value("verdict", std::string());
-    if (verdict.empty()) return nullptr;
-    if (verdict == "good") return {{"class", "met"}, {"text", "Good"}};
-    std::string text = verdict == "not_usable" ? "Not usable" : "Usable with restrictions";
-    const char* separator = ": ";
-    for (const json& restricted : metrics.value("restrictions", json::array())) {
-        if (restricted == "all") continue;
-        text += separator + restricted.get<std::string>();
-        separator = ", ";
-    }
-    return {{"class", verdict == "not_usable" ? "error" : "warning"}, {"text", text}};
-}
-
-}  // namespace
-
 std::string report_html(const ReportInput& input) {
     const auto text = [&](const char* pointer) {
         return input.metrics.value(json::json_pointer(pointer), std::string());

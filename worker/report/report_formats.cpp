@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <vector>
 
+#include "schemas/json.hpp"
 #include "worker/io/csv_cell.hpp"
 
 namespace divemesh::report {
@@ -50,6 +52,32 @@ std::string test_case(const json& requirement) {
            attribute("message", reason) + ">" + escaped(reason) + "</failure>\n    </testcase>\n";
 }
 
+std::string property(const char* name, const std::string& value) {
+    return "      <property" + attribute("name", name) + attribute("value", value) + "/>\n";
+}
+
+// Returns the verdict on the reconstruction; "" in documents of earlier versions.
+std::string verdict_properties(const json& reconstruction) {
+    if (!reconstruction.contains("verdict")) return "";
+    std::string restricted;
+    for (const json& part : reconstruction.at("restrictions"))
+        restricted += (restricted.empty() ? "" : ", ") + part.get<std::string>();
+    return "    <properties>\n" + property("verdict", reconstruction.at("verdict")) +
+           property("restrictions", restricted) + "    </properties>\n";
+}
+
+// Returns the findings on the reconstruction, then those on its accuracy, a line each.
+std::string system_out(const json& report) {
+    std::string lines;
+    for (const json& findings : {report.at("reconstruction").at("findings"), report.at("findings")})
+        for (const Finding& finding : findings.get<std::vector<Finding>>())
+            lines +=
+                escaped(std::string(to_string(finding.severity)) + " " + finding.code + ": " +
+                        (finding.where.empty() ? "" : finding.where + ": ") + finding.message) +
+                "\n";
+    return lines.empty() ? "" : "    <system-out>\n" + lines + "    </system-out>\n";
+}
+
 }  // namespace
 
 std::string report_csv(const json& report) {
@@ -75,8 +103,9 @@ std::string report_junit(const json& report) {
     std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites" + counts +
                       ">\n  <testsuite" + attribute("name", "divemesh accuracy " + name) + counts +
                       ">\n";
+    xml += verdict_properties(report.at("reconstruction"));
     for (const json& requirement : requirements) xml += test_case(requirement);
-    return xml + "  </testsuite>\n</testsuites>\n";
+    return xml + system_out(report) + "  </testsuite>\n</testsuites>\n";
 }
 
 }  // namespace divemesh::report

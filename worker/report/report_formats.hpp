@@ -10,7 +10,8 @@ namespace divemesh::report {
 std::string report_csv(const nlohmann::json& report);
 
 // Returns the requirements of report.json as JUnit XML for build servers (the layout that Jenkins,
-// GitLab and Surefire read): one test case each, a failure with its reason if it is not met.
+// GitLab and Surefire read): one test case each, a failure with its reason if it is not met. The
+// verdict on the reconstruction is among the properties, the findings are the output.
 std::string report_junit(const nlohmann::json& report);
 
 }  // namespace divemesh::report

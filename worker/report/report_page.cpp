@@ -200,24 +200,28 @@ json surface(const ReportMeasurements& measured) {
 std::string report_page(const json& report, const ReportMeasurements& measured) {
     const json& metrics = measured.document;
     const json& passed = report.at("passed");
-    json values = {{"title", "Accuracy: " + name_of(report)},
-                   {"judged", !passed.is_null()},
-                   {"passed", passed},
-                   {"requirements", requirements(report)},
-                   {"regressions", regressions(report)},
-                   {"accuracy", rows_values(accuracy_rows(metrics))},
-                   {"expected", rows_values(expected_rows(metrics))},
-                   {"truth", rows_values(truth_rows(report))},
-                   {"surface", surface(measured)},
-                   {"distances", distances(metrics)},
-                   {"markers", markers(metrics)},
-                   {"reef", reef_table(measured.reef)},
-                   {"dive", rows_values(dive_rows(metrics))},
-                   {"result", rows_values(result_rows(metrics))},
-                   {"findings", findings_values(report.at("findings"))},
-                   {"provenance", provenance(report)},
-                   {"num_metrics", report.at("figures").size()},
-                   {"metrics", all_metrics(report)}};
+    const json& reconstruction = report.at("reconstruction");
+    json values = {
+        {"title", "Accuracy: " + name_of(report)},
+        {"verdict", verdict_values(reconstruction)},
+        {"judged", !passed.is_null()},
+        {"passed", passed},
+        {"requirements", requirements(report)},
+        {"regressions", regressions(report)},
+        {"accuracy", rows_values(accuracy_rows(metrics))},
+        {"expected", rows_values(expected_rows(metrics))},
+        {"truth", rows_values(truth_rows(report))},
+        {"surface", surface(measured)},
+        {"distances", distances(metrics)},
+        {"markers", markers(metrics)},
+        {"reef", reef_table(measured.reef)},
+        {"dive", rows_values(dive_rows(metrics))},
+        {"result", rows_values(result_rows(metrics))},
+        {"reconstruction", {{"findings", findings_values(reconstruction.at("findings"))}}},
+        {"findings", findings_values(report.at("findings"))},
+        {"provenance", provenance(report)},
+        {"num_metrics", report.at("figures").size()},
+        {"metrics", all_metrics(report)}};
     values.update(plots(measured));
     return fill_template(accuracy_page_html(), values);
 }

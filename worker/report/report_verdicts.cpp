@@ -81,7 +81,8 @@ Better better(const std::string& name) {
 }  // namespace
 
 json judge_requirements(const std::vector<Requirement>& requirements,
-                        const std::vector<Metric>& metrics) {
+                        const std::vector<Metric>& metrics,
+                        const std::string& unusable) {
     json verdicts = json::array();
     for (const Requirement& requirement : requirements) {
         const Metric* metric = find(metrics, requirement.metric);
@@ -99,6 +100,10 @@ json judge_requirements(const std::vector<Requirement>& requirements,
             verdict["reason"] = met ? ""
                                     : "it is " + base::significant(*metric->value, 6) +
                                           (metric->unit == "1" ? "" : " " + metric->unit);
+        }
+        if (!unusable.empty()) {
+            verdict["met"] = false;
+            verdict["reason"] = unusable;
         }
         verdicts.push_back(std::move(verdict));
     }

@@ -10,9 +10,11 @@
 
 namespace divemesh::report {
 
-// Returns "requirements" of report.json. A requirement on a missing metric is not met.
+// Returns "requirements" of report.json. A requirement on a missing metric is not met. If
+// `unusable` states why the result is not usable, none is met, for that reason.
 nlohmann::json judge_requirements(const std::vector<Requirement>& requirements,
-                                  const std::vector<Metric>& metrics);
+                                  const std::vector<Metric>& metrics,
+                                  const std::string& unusable = "");
 
 // Returns "passed": whether all are met; null if there are none.
 nlohmann::json passed(const nlohmann::json& requirements);

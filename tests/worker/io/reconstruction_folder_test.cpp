@@ -1,5 +1,7 @@
 #include "worker/io/reconstruction_folder.hpp"
 
+#include <set>
+
 #include "tests/worker/io/test_files.hpp"
 #include "worker/io/ply.hpp"
 #include "worker/io/trajectory_file.hpp"
@@ -91,6 +93,59 @@ TEST_F(ReconstructionFolderTest, ABrokenSegmentNamesItsFile) {
 
     EXPECT_EQ(error.code(), ErrorCode::BadData);
     EXPECT_NE(std::string(error.what()).find("metrics.json"), std::string::npos);
+}
+
+TEST_F(ReconstructionFolderTest, GivesTheVerdictAndTheFindings) {
+    write("metrics.json", R"({"verdict": "not_usable", "restrictions": ["all"], "findings": [
+        {"severity": "error", "code": "no_surface", "where": "", "message": "m", "remedy": "r"}]})");
+
+    const ReconstructionFolder reconstruction = open();
+
+    EXPECT_EQ(reconstruction.verdict(), Verdict::NotUsable);
+    EXPECT_EQ(reconstruction.restrictions(), std::vector<std::string>{"all"});
+    ASSERT_EQ(reconstruction.findings().size(), 1U);
+    EXPECT_EQ(reconstruction.findings()[0].code, "no_surface");
+}
+
+TEST_F(ReconstructionFolderTest, FilesOfOlderVersionsStateNoVerdict) {
+    EXPECT_FALSE(open().verdict());
+    EXPECT_TRUE(open().restrictions().empty());
+    EXPECT_TRUE(open().findings().empty());
+}
+
+TEST_F(ReconstructionFolderTest, AnUnknownVerdictNamesItsFile) {
+    write("metrics.json", R"({"verdict": "splendid"})");
+
+    const Error error = error_of([&] { open().verdict(); });
+
+    EXPECT_EQ(error.code(), ErrorCode::BadData);
+    EXPECT_NE(std::string(error.what()).find("metrics.json"), std::string::npos);
+}
+
+TEST_F(ReconstructionFolderTest, RemovesItsFilesAndKeepsAllOthers) {
+    namespace fs = std::filesystem;
+    fs::create_directories(file("keyframes"));
+    fs::create_directories(file("accuracy"));
+    fs::create_directories(file("mesh.glb"));  // not what a reconstruction writes
+    for (const char* name : {"mesh.ply",
+                             "mosaic_height.tif",
+                             "keyframes/000012.jpg",
+                             "keyframes/1234567.jpg",
+                             "accuracy/report.json"})
+        write(name, "old");
+    const std::set<std::string> kept = {"notes.txt", "my_mesh.ply", "keyframes/best.jpg"};
+    for (const std::string& name : kept) write(name, "kept");
+
+    remove_reconstruction(file(""));
+
+    const fs::path folder = file("notes.txt").parent_path();
+    std::set<std::string> files;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+        if (entry.is_regular_file()) files.insert(entry.path().lexically_relative(folder).string());
+    EXPECT_EQ(files, kept);
+    EXPECT_FALSE(fs::exists(file("accuracy")));
+    EXPECT_TRUE(fs::is_directory(file("mesh.glb")));
+    remove_reconstruction(file("nowhere"));
 }
 
 TEST_F(ReconstructionFolderTest, AQuaternionThatIsNoRotationIsRefused) {

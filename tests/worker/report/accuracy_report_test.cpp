@@ -109,6 +109,13 @@ protected:
         request_.num_threads = 1;
     }
 
+    void give_verdict(const std::string& verdict, const json& restrictions, const json& findings) {
+        json metrics = json::parse(std::ifstream(folder_ / "result/metrics.json"));
+        metrics["verdict"] = verdict;
+        metrics["restrictions"] = restrictions;
+        metrics["findings"] = findings;
+        std::ofstream(folder_ / "result/metrics.json") << metrics;
+    }
     json make() { return make_accuracy_report(request_, base::ignore_progress); }
     void give_truth() {
         request_.ground_truth = folder_ / "truth.tum";
@@ -266,6 +273,54 @@ TEST_F(AccuracyReportTest, ATruthOfAnotherTimeIsAFindingAndNoMetric) {
     EXPECT_TRUE(is_valid(report));
     EXPECT_EQ(report["findings"][0]["code"], "ground_truth_unusable");
     EXPECT_EQ(report["passed"], false);
+}
+
+TEST_F(AccuracyReportTest, NoRequirementOnAResultThatIsNotUsableIsMet) {
+    give_truth();
+    give_verdict("not_usable",
+                 {"all"},
+                 {{{"severity", "error"},
+                   {"code", "diverged"},
+                   {"where", ""},
+                   {"message", "the path is <nowhere>"},
+                   {"remedy", "swim slower"}}});
+    request_.requirements = {"ate_rmse_m<=1", "coverage>=1"};
+    const json report = make();
+    EXPECT_TRUE(is_valid(report));
+    EXPECT_EQ(report["reconstruction"]["verdict"], "not_usable");
+    EXPECT_EQ(report["reconstruction"]["restrictions"], json({"all"}));
+    EXPECT_EQ(report["reconstruction"]["findings"][0]["code"], "diverged");
+    EXPECT_TRUE(report["findings"].empty());
+    for (const json& requirement : report["requirements"]) {
+        EXPECT_EQ(requirement["met"], false);
+        EXPECT_TRUE(requirement["value"].is_number());
+        EXPECT_EQ(requirement["reason"],
+                  "the reconstruction is not usable (diverged): the path is <nowhere>");
+    }
+    EXPECT_EQ(report["passed"], false);
+    EXPECT_NE(read("report.html").find("<b>Not usable</b>"), std::string::npos);
+    EXPECT_NE(read("report.html").find("swim slower"), std::string::npos);
+    EXPECT_NE(read("junit.xml").find("value=\"not_usable\""), std::string::npos);
+    EXPECT_NE(read("junit.xml").find("error diverged: the path"), std::string::npos);
+    EXPECT_NE(read("junit.xml").find("failures=\"2\""), std::string::npos);
+}
+
+TEST_F(AccuracyReportTest, WhatRestrictsTheResultIsInEveryFormat) {
+    give_verdict("usable_with_restrictions",
+                 {"path"},
+                 {{{"severity", "warning"},
+                   {"code", "tracking_lost"},
+                   {"where", "frame 7"},
+                   {"message", "vision lost the ground"},
+                   {"remedy", ""}}});
+    request_.requirements = {"coverage>=1"};
+    const json report = make();
+    EXPECT_TRUE(is_valid(report));
+    EXPECT_EQ(report["passed"], true);
+    EXPECT_EQ(report["reconstruction"]["findings"][0]["code"], "tracking_lost");
+    EXPECT_NE(read("report.html").find("Usable with restrictions: path"), std::string::npos);
+    EXPECT_NE(read("report.html").find("vision lost the ground"), std::string::npos);
+    EXPECT_NE(read("junit.xml").find("tracking_lost: frame 7: vision lost"), std::string::npos);
 }
 
 TEST_F(AccuracyReportTest, WhatNamesHoldComesOutAsTextAlone) {

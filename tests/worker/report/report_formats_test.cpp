@@ -7,9 +7,22 @@ namespace {
 
 using nlohmann::json;
 
+json finding(const std::string& code, const std::string& message) {
+    return {{"severity", "warning"},
+            {"code", code},
+            {"where", ""},
+            {"message", message},
+            {"remedy", ""}};
+}
+
 json report() {
     return {{"dive", {{"name", "wreck <\"&'\x01> 2"}, {"content_sha256", "abc"}}},
             {"figures", json::array()},
+            {"reconstruction",
+             {{"verdict", "usable_with_restrictions"},
+              {"restrictions", {"path", "scale"}},
+              {"findings", {finding("tracking_lost", "vision <lost> the \"ground\"")}}}},
+            {"findings", {finding("surface_not_measured", "no truth")}},
             {"requirements",
              {{{"text", "drift_percent<=0.5"},
                {"figure", "trajectory.final.drift_percent"},
@@ -61,6 +74,26 @@ TEST(ReportJunit, EachRequirementIsACaseAndWhatIsNotMetFails) {
               std::string::npos);
     EXPECT_NE(xml.find("<failure type=\"requirement\" message=\"not available &lt;here&gt;\">"),
               std::string::npos);
+}
+
+TEST(ReportJunit, StatesTheVerdictAndTheFindings) {
+    const std::string xml = report_junit(report());
+    EXPECT_NE(xml.find("<property name=\"verdict\" value=\"usable_with_restrictions\"/>"),
+              std::string::npos);
+    EXPECT_NE(xml.find("<property name=\"restrictions\" value=\"path, scale\"/>"),
+              std::string::npos);
+    const auto lost = xml.find("warning tracking_lost: vision &lt;lost&gt; the");
+    ASSERT_NE(lost, std::string::npos);
+    EXPECT_GT(xml.find("surface_not_measured"), lost);
+}
+
+TEST(ReportJunit, AReconstructionOfAnOlderVersionHasNoVerdict) {
+    json document = report();
+    document["reconstruction"] = {{"findings", json::array()}};
+    document["findings"] = json::array();
+    const std::string xml = report_junit(document);
+    EXPECT_EQ(xml.find("<propert"), std::string::npos);
+    EXPECT_EQ(xml.find("<system-out"), std::string::npos);
 }
 
 // Parses like an XML parser: every tag is closed in order, and there is no bare &, < or control

@@ -43,6 +43,18 @@ TEST(Verdicts, WhatIsNotToBeHadIsNotMetAndSaysWhatIsMissing) {
     }
 }
 
+TEST(Verdicts, NoRequirementOnAResultThatIsNotUsableIsMet) {
+    const std::vector<Requirement> requirements = {parse_requirement("drift_percent<=0.5"),
+                                                   parse_requirement("coverage>=0.99")};
+    const json verdicts = judge_requirements(requirements, metrics(), "it is not usable");
+    for (const json& verdict : verdicts) {
+        EXPECT_EQ(verdict["met"], false);
+        EXPECT_EQ(verdict["reason"], "it is not usable");
+    }
+    EXPECT_EQ(verdicts[0]["value"], 0.4);
+    EXPECT_EQ(passed(verdicts), json(false));
+}
+
 TEST(Verdicts, NothingAskedIsNeitherPassedNorFailed) { EXPECT_TRUE(passed(judged({})).is_null()); }
 
 TEST(Regressions, AMetricThatIsWorseThanItsHistoryAllowsIsNamed) {
