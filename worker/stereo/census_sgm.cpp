@@ -29,6 +29,8 @@ std::vector<Offset> census_pattern() {
     return pattern;
 }
 
+int whole_steps(int num_disparities) { return (num_disparities + 31) / 32 * 32; }
+
 // Computes the census of an image, mirrored beyond its border. The planes can be read `num_behind`
 // bytes past their end.
 void census(const cv::Mat& image,
@@ -72,26 +74,51 @@ cv::Mat CensusSgm::compute(const cv::Mat& left,
                            const cv::Mat& right,
                            const types::DisparityRange& range,
                            int tolerance) {
-    first_disparity_ = range.first_px;
-    num_disparities_ = (range.num_px + 31) / 32 * 32;
+    return compute(left, right, {{cv::Rect({}, left.size()), range}}, tolerance);
+}
+
+cv::Mat CensusSgm::compute(const cv::Mat& left,
+                           const cv::Mat& right,
+                           const std::vector<SearchTile>& tiles,
+                           int tolerance) {
     cv::Mat disparity(left.size(), CV_32F, cv::Scalar(0.0));
     if (left.cols <= kRadiusX_px || left.rows <= kRadiusY_px) return disparity;
-    prepare(left);
+    image_width_ = left.cols;
+    int end_disparity = 0;
+    for (const SearchTile& tile : tiles)
+        end_disparity =
+            std::max(end_disparity, tile.range.first_px + whole_steps(tile.range.num_px));
     census(left, kernels_.census, false, tolerance, 0, left_census_);
     census(right,
            kernels_.census,
            true,
            tolerance,
-           static_cast<std::size_t>(first_disparity_ + num_disparities_) + kMaxVectorBytes,
+           static_cast<std::size_t>(end_disparity) + kMaxVectorBytes,
            right_census_);
-    for (int y = 0; y < left.rows; y += kRowsAtOnce) {
-        const int num_rows = std::min(kRowsAtOnce, left.rows - y);
+    winners_.create(left.size());
+    for (const SearchTile& tile : tiles) find_winners(left, tile);
+    right_best_.resize(static_cast<std::size_t>(image_width_ + end_disparity));
+    for (int y = 0; y < left.rows; ++y) write_row(y, disparity.ptr<float>(y));
+    return disparity;
+}
+
+void CensusSgm::find_winners(const cv::Mat& left, const SearchTile& tile) {
+    seen_ = with_surroundings(tile.part, left.size());
+    first_disparity_ = tile.range.first_px;
+    num_disparities_ = whole_steps(tile.range.num_px);
+    prepare();
+    for (int y = seen_.y; y < seen_.br().y; y += kRowsAtOnce) {
+        const int num_rows = std::min(kRowsAtOnce, seen_.br().y - y);
         for (int i = 0; i < num_rows; ++i) prepare_row(left, y + i, rows_[i]);
         aggregate(y, num_rows);
         select_winners(num_rows);
-        for (int i = 0; i < num_rows; ++i) write_row(rows_[i], disparity.ptr<float>(y + i));
+        for (int i = 0; i < num_rows; ++i) keep_winners(rows_[i], y + i, tile.part);
     }
-    return disparity;
+}
+
+void CensusSgm::Winners::create(cv::Size size) {
+    for (cv::Mat* bytes : {&min_cost, &is_unique, &lower, &upper}) bytes->create(size, CV_8U);
+    min_at.create(size, CV_16S);
 }
 
 void CensusSgm::Costs::resize(std::size_t num_bytes) {
@@ -104,8 +131,8 @@ void CensusSgm::begin_path(std::uint8_t* costs) const {
     std::fill(costs + num_disparities_, costs + stride_, std::uint8_t{kOutsideCost});
 }
 
-void CensusSgm::prepare(const cv::Mat& left) {
-    width_ = left.cols;
+void CensusSgm::prepare() {
+    width_ = seen_.width;
     stride_ = (num_disparities_ + kernels_.vector_bytes - 1) / kernels_.vector_bytes *
               kernels_.vector_bytes;
     const auto width = static_cast<std::size_t>(width_);
@@ -119,7 +146,6 @@ void CensusSgm::prepare(const cv::Mat& left) {
         row.upper.resize(width);
         for (auto& penalty : row.penalty) penalty.resize(width);
     }
-    right_best_.resize(width + num_disparities_);
     for (Slots& path : above_) {
         path.costs.resize((width + 1) * stride_);
         for (int slot = 0; slot <= width_; ++slot)
@@ -129,8 +155,8 @@ void CensusSgm::prepare(const cv::Mat& left) {
 }
 
 void CensusSgm::prepare_row(const cv::Mat& left, int y, Row& row) const {
-    const std::uint8_t* grey = left.ptr<std::uint8_t>(y);
-    const std::uint8_t* above = left.ptr<std::uint8_t>(std::max(0, y - 1));
+    const std::uint8_t* grey = left.ptr<std::uint8_t>(y) + seen_.x;
+    const std::uint8_t* above = left.ptr<std::uint8_t>(std::max(0, y - 1)) + seen_.x;
     const PenaltyKernel penalties = kernels_.penalties;
     // A path's first pixel has no predecessor: any penalty is fine.
     penalties(grey + 1, above, width_ - 1, row.penalty[0].data() + 1);
@@ -145,17 +171,17 @@ void CensusSgm::aggregate(int y, int num_rows) {
     for (int i = 0; i < num_rows; ++i) {
         Row& row = rows_[i];
         forward[i].width = width_;
+        forward[i].first_x = seen_.x;
         forward[i].first_disparity = first_disparity_;
         forward[i].num_disparities = num_disparities_;
         for (int p = 0; p < 4; ++p) {
-            forward[i].left[p] =
-                left_census_[p].data() + static_cast<std::ptrdiff_t>(y + i) * width_;
-            forward[i].right_reversed[p] = right_census_[p].data() +
-                                           static_cast<std::ptrdiff_t>(y + i) * width_ +
-                                           first_disparity_;
+            const std::ptrdiff_t row_start = static_cast<std::ptrdiff_t>(y + i) * image_width_;
+            forward[i].left[p] = left_census_[p].data() + row_start + seen_.x;
+            forward[i].right_reversed[p] = right_census_[p].data() + row_start + image_width_ -
+                                           seen_.br().x + first_disparity_;
             forward[i].penalty[p] = row.penalty[p].data();
         }
-        for (int p = 0; p < 3; ++p) forward[i].above[p] = vertical_path(p, y + i);
+        for (int p = 0; p < 3; ++p) forward[i].above[p] = vertical_path(p, y + i - seen_.y);
         forward[i].cost = row.cost.begin();
         forward[i].sum = row.sum.begin();
     }
@@ -196,31 +222,50 @@ void CensusSgm::select_winners(int num_rows) {
     kernels_.backward(backward, num_rows);
 }
 
+// Keeps the winners of the tile itself.
+void CensusSgm::keep_winners(const Row& row, int y, const cv::Rect& part) {
+    if (y < part.y || y >= part.br().y) return;
+    const int begin = part.x - seen_.x;
+    const auto keep = [&](const std::vector<std::uint8_t>& bytes, cv::Mat& image) {
+        std::copy_n(bytes.begin() + begin, part.width, image.ptr<std::uint8_t>(y) + part.x);
+    };
+    keep(row.min_cost, winners_.min_cost);
+    keep(row.is_unique, winners_.is_unique);
+    keep(row.lower, winners_.lower);
+    keep(row.upper, winners_.upper);
+    std::transform(row.min_at.begin() + begin,
+                   row.min_at.begin() + begin + part.width,
+                   winners_.min_at.ptr<std::int16_t>(y) + part.x,
+                   [&](std::int16_t d) { return static_cast<std::int16_t>(d + first_disparity_); });
+}
+
 // Left-right check: of the pixels that map to one pixel of the right image the cheapest is
 // confirmed, of equal ones the rightmost. Cost and disparity are packed into one number, with the
 // larger disparity lower. Matches left of the image are stored before the others.
-void CensusSgm::write_row(Row& row, float* disparity_px) {
+void CensusSgm::write_row(int y, float* disparity_px) {
     constexpr std::uint32_t kMaxPacked = 0xffff;
+    const std::uint8_t* min_cost = winners_.min_cost.ptr<std::uint8_t>(y);
+    const std::int16_t* min_at = winners_.min_at.ptr<std::int16_t>(y);
+    std::uint8_t* is_unique = winners_.is_unique.ptr<std::uint8_t>(y);
     std::fill(right_best_.begin(), right_best_.end(), ~std::uint32_t{0});
-    std::uint32_t* best = right_best_.data() + num_disparities_;  // by x - d + first_disparity_
-    for (int x = 0; x < width_; ++x) {
-        const int d = row.min_at[x];
-        const std::uint32_t found = (std::uint32_t{row.min_cost[x]} << 16) | (kMaxPacked - d);
+    std::uint32_t* best = right_best_.data() + right_best_.size() - image_width_;  // by x - d
+    for (int x = 0; x < image_width_; ++x) {
+        const int d = min_at[x];
+        const std::uint32_t found = (std::uint32_t{min_cost[x]} << 16) | (kMaxPacked - d);
         best[x - d] = std::min(best[x - d], found);
     }
-    for (int x = 0; x < width_; ++x) {
-        const int d = row.min_at[x];
+    for (int x = 0; x < image_width_; ++x) {
+        const int d = min_at[x];
         const int other = static_cast<int>(kMaxPacked - (best[x - d] & kMaxPacked));
-        if (std::abs(other - d) > kLeftRightTolerance_px) row.is_unique[x] = 0;
+        if (std::abs(other - d) > kLeftRightTolerance_px) is_unique[x] = 0;
     }
     WinnerRow winners;
-    winners.width = width_;
-    winners.first_disparity = first_disparity_;
-    winners.min_cost = row.min_cost.data();
-    winners.min_at = row.min_at.data();
-    winners.lower = row.lower.data();
-    winners.upper = row.upper.data();
-    winners.is_confirmed = row.is_unique.data();
+    winners.width = image_width_;
+    winners.min_cost = min_cost;
+    winners.min_at = min_at;
+    winners.lower = winners_.lower.ptr<std::uint8_t>(y);
+    winners.upper = winners_.upper.ptr<std::uint8_t>(y);
+    winners.is_confirmed = is_unique;
     kernels_.place(winners, disparity_px);
 }
 

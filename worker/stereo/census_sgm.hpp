@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "worker/base/instructions.hpp"
+#include "worker/stereo/search_tiles.hpp"
 #include "worker/stereo/sgm_kernels.hpp"
 #include "worker/types/disparity_range.hpp"
 
@@ -32,6 +33,12 @@ public:
                     const cv::Mat& right,
                     const types::DisparityRange& range,
                     int tolerance = kMinTolerance);
+    // The same, each tile within its own range. The left-right check is over all tiles, so that
+    // what hides a surface need not be in its tile.
+    cv::Mat compute(const cv::Mat& left,
+                    const cv::Mat& right,
+                    const std::vector<SearchTile>& tiles,
+                    int tolerance);
 
 private:
     static constexpr int kRowsAtOnce = 2;  // per call of a kernel
@@ -62,24 +69,39 @@ private:
         std::vector<std::uint8_t> min_cost;
     };
 
+    // The best disparities of the image and what the checks need, by pixel.
+    struct Winners {
+        cv::Mat min_cost;   // CV_8U, of the sums
+        cv::Mat min_at;     // CV_16S, px
+        cv::Mat is_unique;  // CV_8U
+        cv::Mat lower;      // CV_8U, the sums at neighbouring disparities
+        cv::Mat upper;
+        void create(cv::Size size);
+    };
+
+    void find_winners(const cv::Mat& left, const SearchTile& tile);
     void begin_path(std::uint8_t* costs) const;
-    void prepare(const cv::Mat& left);
+    void prepare();
     void prepare_row(const cv::Mat& left, int y, Row& row) const;
     void aggregate(int y, int num_rows);
     VerticalPath vertical_path(int p, int y);
     void select_winners(int num_rows);
-    void write_row(Row& row, float* disparity_px);
+    void keep_winners(const Row& row, int y, const cv::Rect& part);
+    void write_row(int y, float* disparity_px);
 
     int num_disparities_;  // of the current range
     int whole_num_disparities_;
     int first_disparity_ = 0;
     SgmKernels kernels_;
-    int width_ = 0;
+    int image_width_ = 0;
+    cv::Rect seen_;                              // the current tile with its surroundings
+    int width_ = 0;                              // of it
     int stride_ = 0;                             // of [d], whole vectors
     std::vector<std::uint8_t> left_census_[4];   // byte planes of the signatures
     std::vector<std::uint8_t> right_census_[4];  // from right to left: d increases with the address
     Row rows_[kRowsAtOnce];
     Slots above_[3];
+    Winners winners_;
     std::vector<std::uint32_t> right_best_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "worker/stereo/coarse_disparity_search.hpp"
 #include "worker/stereo/combine_scales.hpp"
+#include "worker/stereo/search_tiles.hpp"
 #include "worker/stereo/sgm_kernels.hpp"
 #include "worker/stereo/single_scale_matcher.hpp"
 
@@ -14,6 +15,7 @@ namespace {
 
 constexpr int kStep_px = 64;     // of the number of disparities
 constexpr int kMinHalf_px = 40;  // width and height; smaller halves show nothing
+constexpr int kLargeWidth_px = 832;
 
 // Returns how many disparities, px of the whole size, are searched at most at half the size. Half
 // as many again cost little there.
@@ -72,19 +74,26 @@ types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame,
     const auto surveyed = own.survey_of(limit_px).survey(frame.left, frame.right);
     types::DisparityRange searched =
         within_range ? widen(range, surveyed, limit_px) : types::DisparityRange{0, limit_px};
-    types::DepthMap depth = own.full_size.match(frame, searched);
-    if (own.half_size && std::min(frame.left.cols, frame.left.rows) / 2 >= kMinHalf_px) {
-        searched = widen(searched, surveyed, max_half_disparities_px(limit_px));
-        combine_scales(
-            own.half_size->match(halved(frame), {searched.first_px / 2, (searched.num_px + 1) / 2}),
-            depth);
+    if (!own.half_size || std::min(frame.left.cols, frame.left.rows) / 2 < kMinHalf_px) {
+        types::DepthMap depth = own.full_size.match(frame, searched);
+        depth.search = outcome_of(searched, surveyed);
+        return depth;
     }
+    const types::DisparityRange at_full_size = searched;
+    searched = widen(searched, surveyed, max_half_disparities_px(limit_px));
+    const types::DepthMap half =
+        own.half_size->match(halved(frame), {searched.first_px / 2, (searched.num_px + 1) / 2});
+    types::DepthMap depth =
+        frame.left.cols > kLargeWidth_px
+            ? own.full_size.match(frame,
+                                  search_tiles(half.disparity_px, frame.left.size(), at_full_size))
+            : own.full_size.match(frame, at_full_size);
+    combine_scales(half, depth);
     depth.search = outcome_of(searched, surveyed);
     return depth;
 }
 
 int max_disparities_px(int num_disparities_px, int width_px) {
-    constexpr int kLargeWidth_px = 832;
     constexpr double kShareOfWidth = 0.27;
     if (width_px <= kLargeWidth_px) return num_disparities_px;
     const int wide = static_cast<int>(kShareOfWidth * width_px) / kStep_px * kStep_px;

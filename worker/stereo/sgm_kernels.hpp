@@ -29,6 +29,7 @@ struct VerticalPath {
 // One row as input and output of the forward kernel.
 struct ForwardRow {
     int width = 0;
+    int first_x = 0;  // of the row in the image
     int first_disparity = 0;
     int num_disparities = 0;           // multiple of 32; [d] has a stride of whole vectors
     const std::uint8_t* left[4] = {};  // byte planes of the census
@@ -50,7 +51,7 @@ struct BackwardRow {
     const std::uint8_t* sum = nullptr;
     // Outputs by x:
     std::uint8_t* min_cost = nullptr;  // of the sums
-    std::int16_t* min_at = nullptr;    // the first d with min_cost
+    std::int16_t* min_at = nullptr;    // the first d with min_cost, from the first disparity on
     std::uint8_t* is_unique = nullptr;
     std::uint8_t* lower = nullptr;  // the sums at d - 1 and d + 1, if unique
     std::uint8_t* upper = nullptr;
@@ -59,9 +60,8 @@ struct BackwardRow {
 // The winners of a backward row, confirmed or not.
 struct WinnerRow {
     int width = 0;
-    int first_disparity = 0;
     const std::uint8_t* min_cost = nullptr;
-    const std::int16_t* min_at = nullptr;
+    const std::int16_t* min_at = nullptr;  // disparities
     const std::uint8_t* lower = nullptr;
     const std::uint8_t* upper = nullptr;
     const std::uint8_t* is_confirmed = nullptr;

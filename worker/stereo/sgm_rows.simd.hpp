@@ -105,7 +105,7 @@ template <bool kClipped>
 DIVEMESH_INLINE_BODY void forward_pixel(Sweep& sweep, int x, int num_vectors) {
     const ForwardRow& row = *sweep.row;
     const int stride = num_vectors * kBytes;
-    const int num_in_image = x + 1 - row.first_disparity;
+    const int num_in_image = row.first_x + x + 1 - row.first_disparity;
     const std::ptrdiff_t reversed = row.width - 1 - x;
     const std::uint8_t* right[4];
     V left[4];
@@ -152,7 +152,7 @@ DIVEMESH_INLINE_BODY void forward_pixel(Sweep& sweep, int x, int num_vectors) {
 
 DIVEMESH_INLINE_BODY void advance(Sweep& sweep, int x, int num_vectors) {
     const ForwardRow& row = *sweep.row;
-    if (x + 1 - row.first_disparity < row.num_disparities)
+    if (row.first_x + x + 1 - row.first_disparity < row.num_disparities)
         forward_pixel<true>(sweep, x, num_vectors);
     else
         forward_pixel<false>(sweep, x, num_vectors);
@@ -281,7 +281,7 @@ void place(const WinnerRow& row, float* __restrict disparity_px) {
     const std::uint8_t* __restrict upper = row.upper;
     const std::uint8_t* __restrict is_confirmed = row.is_confirmed;
     for (int x = 0; x < row.width; ++x) {
-        const int d = row.first_disparity + min_at[x];
+        const int d = min_at[x];
         const int larger = lower[x] > upper[x] ? lower[x] : upper[x];
         const int slope = larger - min_cost[x];
         const auto whole = static_cast<float>(d);

@@ -72,7 +72,7 @@ private:
 
 struct SingleScaleMatcher::Implementation {
     std::function<void(const types::RectifiedFrame& frame,
-                       const types::DisparityRange& range,
+                       const std::vector<SearchTile>& tiles,
                        types::DepthMap& depth)>
         compute;
     std::optional<DisparityRefiner> refiner;
@@ -80,11 +80,11 @@ struct SingleScaleMatcher::Implementation {
 
     void use_sgm(int num_disparities_px) {
         compute = [matcher = CensusSgm(num_disparities_px)](const types::RectifiedFrame& frame,
-                                                            const types::DisparityRange& range,
+                                                            const std::vector<SearchTile>& tiles,
                                                             types::DepthMap& depth) mutable {
             const MatchingImages images = matching_images(frame);
             depth.disparity_px =
-                matcher.compute(images.left, images.right, range, images.tolerance);
+                matcher.compute(images.left, images.right, tiles, images.tolerance);
         };
         refiner.emplace();
     }
@@ -94,7 +94,7 @@ SingleScaleMatcher::SingleScaleMatcher(const std::string& method, int num_dispar
     : implementation_(std::make_unique<Implementation>()) {
     const auto use = [&](auto matcher) {
         implementation_->compute = [matcher](const types::RectifiedFrame& frame,
-                                             const types::DisparityRange&,
+                                             const std::vector<SearchTile>&,
                                              types::DepthMap& depth) mutable {
             depth.disparity_px = matcher.compute(frame.left, frame.right);
         };
@@ -115,9 +115,14 @@ bool SingleScaleMatcher::searches_within_range() const {
 
 types::DepthMap SingleScaleMatcher::match(const types::RectifiedFrame& frame,
                                           const types::DisparityRange& range) {
+    return match(frame, {{cv::Rect({}, frame.left.size()), range}});
+}
+
+types::DepthMap SingleScaleMatcher::match(const types::RectifiedFrame& frame,
+                                          const std::vector<SearchTile>& tiles) {
     types::DepthMap depth;
     auto& own = *implementation_;
-    own.compute(frame, range, depth);
+    own.compute(frame, tiles, depth);
     if (own.refiner)
         refine(frame, *own.refiner, own.weak, depth);
     else

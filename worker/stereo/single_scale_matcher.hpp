@@ -2,7 +2,9 @@
 
 #include <memory>
 #include <string>
+#include <vector>
 
+#include "worker/stereo/search_tiles.hpp"
 #include "worker/types/disparity_range.hpp"
 #include "worker/types/keyframe.hpp"
 
@@ -20,6 +22,8 @@ public:
     bool searches_within_range() const;
     // Returns disparities with their standard deviations, px; the outcome of the search is not set.
     types::DepthMap match(const types::RectifiedFrame& frame, const types::DisparityRange& range);
+    // The same, each tile within its own range; for methods that search within one.
+    types::DepthMap match(const types::RectifiedFrame& frame, const std::vector<SearchTile>& tiles);
 
 private:
     struct Implementation;
