@@ -35,6 +35,7 @@ constexpr double kMinWalk = 1e-6;   // rad/s
 constexpr double kBiasSigma = 0.1;  // rad/s
 constexpr double kOffsetSigma_s = 0.03;
 constexpr double kRotationSigma_rad = 0.035;
+constexpr double kRateErrorSigma = 0.02;  // of a sensor that nobody calibrated
 constexpr double kReadoutSigma_s = 0.03;  // a frame takes 33 ms at the usual rate
 // The prior of a step between keyframes. It is so wide that it has no effect where anything else
 // constrains the step.
@@ -256,7 +257,8 @@ void CalibrationProblem::add_gyro_rotations(ceres::Problem& problem) {
                                  q(to),
                                  from.gyroscope_bias_imu.data(),
                                  unknowns_.misalignment.data(),
-                                 &unknowns_.time_offset_s);
+                                 &unknowns_.time_offset_s,
+                                 unknowns_.rate_error.data());
         const double walk =
             inertial_.noise().gyroscope_random_walk * std::sqrt(integral->duration_s);
         problem.AddResidualBlock(optimisation::RandomWalk::create(std::max(kMinWalk, walk)),
@@ -300,6 +302,8 @@ void CalibrationProblem::add_priors(ceres::Problem& problem, const FreeUnknowns&
                Eigen::VectorXd::Constant(1, kOffsetSigma_s),
                &unknowns_.time_offset_s);
     add(unknowns_.misalignment.data(), Eigen::Vector3d::Constant(kRotationSigma_rad));
+    add(unknowns_.rate_error.data(), Eigen::Vector3d::Constant(kRateErrorSigma));
+    if (free.any()) problem.SetParameterBlockConstant(unknowns_.rate_error.data());
     for (State& state : states_) {
         if (!problem.HasParameterBlock(state.gyroscope_bias_imu.data())) continue;
         add(state.gyroscope_bias_imu.data(), Eigen::Vector3d::Constant(kBiasSigma));
@@ -311,7 +315,8 @@ std::vector<double*> CalibrationProblem::kept_blocks() {
     std::vector<double*> blocks = {unknowns_.lenses.data(),
                                    &unknowns_.readout_time_s,
                                    unknowns_.misalignment.data(),
-                                   &unknowns_.time_offset_s};
+                                   &unknowns_.time_offset_s,
+                                   unknowns_.rate_error.data()};
     for (State& state : states_)
         for (double* block : {q(state), state.p_world_body.data(), state.gyroscope_bias_imu.data()})
             blocks.push_back(block);
@@ -338,6 +343,7 @@ bool CalibrationProblem::find_sigmas(ceres::Problem& problem, const FreeUnknowns
     sigmas_.lenses = covariance(unknowns_.lenses.data(), LensReprojection::kNumChanges);
     sigmas_.misalignment = covariance(unknowns_.misalignment.data(), 3);
     sigmas_.time_offset_s = std::sqrt(covariance(&unknowns_.time_offset_s, 1)(0, 0));
+    sigmas_.rate_error = covariance(unknowns_.rate_error.data(), 3);
     sigmas_.readout_time_s = std::sqrt(covariance(&unknowns_.readout_time_s, 1)(0, 0));
     return true;
 }
@@ -355,6 +361,10 @@ double CalibrationProblem::moved_sigmas(const CalibrationUnknowns& before) const
         sigmas = std::max(sigmas,
                           rms(Eigen::Vector3d(unknowns_.misalignment - before.misalignment),
                               sigmas_.misalignment));
+    if (!sigmas_.rate_error.isZero(0.0))
+        sigmas = std::max(
+            sigmas,
+            rms(Eigen::Vector3d(unknowns_.rate_error - before.rate_error), sigmas_.rate_error));
     if (!sigmas_.lenses.isZero(0.0))
         sigmas =
             std::max(sigmas, rms(LensChanges(unknowns_.lenses - before.lenses), sigmas_.lenses));

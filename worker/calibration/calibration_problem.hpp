@@ -24,19 +24,22 @@ namespace divemesh::calibration {
 struct CalibrationUnknowns {
     Eigen::Vector3d misalignment = Eigen::Vector3d::Zero();  // rad, q_body_imu as a vector
     double time_offset_s = 0.0;
-    LensChanges lenses = LensChanges::Zero();  // left, right
-    double readout_time_s = 0.0;               // of a rolling shutter; see camera::RollingShutter
+    Eigen::Vector3d rate_error = Eigen::Vector3d::Zero();  // as types::ImuAlignment
+    LensChanges lenses = LensChanges::Zero();              // left, right
+    double readout_time_s = 0.0;  // of a rolling shutter; see camera::RollingShutter
 };
 
 // The uncertainty of the unknowns after the last round.
 struct CalibrationSigmas {
     Eigen::Matrix3d misalignment = Eigen::Matrix3d::Zero();  // covariance, rad^2
     double time_offset_s = 0.0;
+    Eigen::Matrix3d rate_error = Eigen::Matrix3d::Zero();  // covariance; zero where it was held
     LensCovariance lenses = LensCovariance::Zero();
     double readout_time_s = 0.0;
 };
 
-// Which unknowns of the cameras are free; those of the IMU always are.
+// Which unknowns of the cameras are free; those of the IMU always are, except the error of its
+// rates: that is free if the cameras are held, as another focal length looks the same.
 struct FreeUnknowns {
     bool lenses = false;
     bool readout_time = false;
@@ -65,6 +68,7 @@ public:
                                const Progress& at,
                                int max_rounds = kMaxRounds);
     void hold_lenses(const LensChanges& changes) { unknowns_.lenses = changes; }
+    void hold_rate_error(const Eigen::Vector3d& error) { unknowns_.rate_error = error; }
     // Uses every `stride`-th landmark from now on.
     void thin(std::size_t stride) { stride_ = stride; }
     // Returns true if the motion is known at a keyframe. Otherwise the readout time cannot be

@@ -17,6 +17,7 @@ constexpr std::size_t kMinCalibrationKeyframes = 5;
 constexpr double kSignificant = 4.0;  // sigmas
 constexpr double kMinOffset_s = 1e-3;
 constexpr double kMinRotation_rad = 1.7e-3;
+constexpr double kMinRateError = 5e-3;  // less may be the focal length's
 // The sigmas of all parameters of both lenses together, with the weights of systematic errors:
 // exact rigs are below 1.3, typical calibrations from 4 on.
 constexpr double kSignificantLenses = 3.0;
@@ -33,14 +34,22 @@ bool significant(const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance
 void take_imu(const CalibrationProblem& problem, types::RefinedCalibration& result) {
     const CalibrationUnknowns& found = problem.unknowns();
     const CalibrationSigmas& sigmas = problem.sigmas();
-    result.imu = {found.time_offset_s, base::rotation_from_vector(found.misalignment)};
+    result.imu = {
+        found.time_offset_s, base::rotation_from_vector(found.misalignment), found.rate_error};
     result.time_offset_sigma_s = sigmas.time_offset_s;
     result.rotation_sigma_rad = sigmas.misalignment.diagonal().cwiseMax(0.0).cwiseSqrt();
     result.time_offset_applied =
         std::abs(found.time_offset_s) > std::max(kMinOffset_s, kSignificant * sigmas.time_offset_s);
-    if (!result.time_offset_applied) result.tracked_time_offset_s = 0.0;  // there is none
+    // What tracking found stays unless the estimate is nearer to none at all.
+    if (!result.time_offset_applied &&
+        std::abs(found.time_offset_s) <
+            std::abs(found.time_offset_s - result.tracked_time_offset_s))
+        result.tracked_time_offset_s = 0.0;
     result.rotation_applied = found.misalignment.norm() > kMinRotation_rad &&
                               significant(found.misalignment, sigmas.misalignment);
+    result.rate_error_sigma = sigmas.rate_error.diagonal().cwiseMax(0.0).cwiseSqrt();
+    result.rate_error_applied =
+        found.rate_error.norm() > kMinRateError && significant(found.rate_error, sigmas.rate_error);
 }
 
 void take_lenses(const CalibrationProblem& problem, types::RefinedCalibration& result) {
@@ -128,6 +137,7 @@ CalibrationRefinement refine_calibration(const types::Track& track,
     if (align) {
         if (!solved({})) return refinement;
         take_imu(problem, result);
+        problem.hold_rate_error(result.applied_alignment().rate_error);
     }
     if (!options.refine_lenses || !solved({.lenses = true})) return refinement;
     take_lenses(problem, result);

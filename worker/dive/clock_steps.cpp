@@ -187,12 +187,14 @@ public:
             const std::int64_t stamp_ns = stamps_[begin];
             return stamp_ns >= from_ns - tolerance_ns_ && stamp_ns <= to_ns + tolerance_ns_;
         };
+        const Stamps rest = stamps_.subspan(begin);
+        const std::int64_t latest_ns = *std::max_element(rest.begin(), rest.end());
         const bool begins_after = begin == 0 && is_in(known.step.first_after_ns, known.end_ns) &&
                                   !is_in(known.begin_ns, known.step.last_before_ns);
-        if (begins_after) return begin;
-        const Stamps rest = stamps_.subspan(begin);
-        const bool ends_before = *std::max_element(rest.begin(), rest.end()) <=
-                                 known.step.last_before_ns + tolerance_ns_;
+        // Rows that were sorted by time begin with those after the step, but do not end with them.
+        if (begins_after)
+            return latest_ns <= known.end_ns + tolerance_ns_ ? std::optional(begin) : std::nullopt;
+        const bool ends_before = latest_ns <= known.step.last_before_ns + tolerance_ns_;
         return ends_before ? std::optional(stamps_.size()) : std::nullopt;
     }
 

@@ -57,6 +57,23 @@ std::vector<bool> widened(const std::vector<types::ImuSample>& samples,
     return is_wide;
 }
 
+// Returns the rows that are not marked.
+std::vector<types::ImuSample> without(const std::vector<types::ImuSample>& samples,
+                                      const std::vector<bool>& is_marked) {
+    std::vector<types::ImuSample> kept;
+    kept.reserve(samples.size());
+    for (std::size_t row = 0; row < samples.size(); ++row)
+        if (!is_marked[row]) kept.push_back(samples[row]);
+    return kept;
+}
+
+// Returns whether so many forces stay clipped without the marked rows that the sensor is not used.
+bool stays_spoilt(const std::vector<types::ImuSample>& samples,
+                  const std::vector<bool>& is_marked) {
+    const std::vector<types::ImuSample> kept = without(samples, is_marked);
+    return clipped_forces(kept).spoil(kept.size());
+}
+
 }  // namespace
 
 void leave_out_clipped_readings(std::vector<types::ImuSample>& samples,
@@ -65,7 +82,13 @@ void leave_out_clipped_readings(std::vector<types::ImuSample>& samples,
     const std::size_t num_rows = samples.size();
     const ClippedReadings rates = clipped_rates(samples);
     const ClippedReadings forces = clipped_forces(samples);
-    const bool forces_are_spoilt = forces.spoil(num_rows);
+    std::vector<bool> is_clipped(num_rows, false);
+    for (const std::size_t row : rates.rows) is_clipped[row] = true;
+    // A shake may clip both sensors, so that the rows without its rates have few clipped forces.
+    const bool forces_are_spoilt =
+        forces.spoil(num_rows) && stays_spoilt(samples, widened(samples, is_clipped));
+    if (!forces_are_spoilt)
+        for (const std::size_t row : forces.rows) is_clipped[row] = true;
     report(rates, num_rows, file, {"gyroscope", "rad/s"}, kLeftOut, findings);
     report(forces,
            num_rows,
@@ -73,16 +96,7 @@ void leave_out_clipped_readings(std::vector<types::ImuSample>& samples,
            {"accelerometer", "m/s^2"},
            forces_are_spoilt ? "it is not used" : kLeftOut,
            findings);
-    std::vector<bool> is_clipped(num_rows, false);
-    for (const std::size_t row : rates.rows) is_clipped[row] = true;
-    if (!forces_are_spoilt)
-        for (const std::size_t row : forces.rows) is_clipped[row] = true;
-    const std::vector<bool> is_left_out = widened(samples, is_clipped);
-    std::vector<types::ImuSample> kept;
-    kept.reserve(num_rows);
-    for (std::size_t row = 0; row < num_rows; ++row)
-        if (!is_left_out[row]) kept.push_back(samples[row]);
-    samples = std::move(kept);
+    samples = without(samples, widened(samples, is_clipped));
 }
 
 }  // namespace divemesh::dive

@@ -193,7 +193,9 @@ std::vector<types::ImuSample> aligned(const std::vector<types::ImuSample>& sampl
     std::vector<types::ImuSample> result = samples;
     for (types::ImuSample& sample : result) {
         sample.timestamp_ns -= base::to_ns(alignment.time_offset_s);
-        sample.angular_velocity_imu = alignment.q_body_imu * sample.angular_velocity_imu;
+        sample.angular_velocity_imu =
+            alignment.q_body_imu * (sample.angular_velocity_imu -
+                                    alignment.rate_error.cwiseProduct(sample.angular_velocity_imu));
         sample.acceleration_imu = alignment.q_body_imu * sample.acceleration_imu;
     }
     return result;

@@ -28,10 +28,16 @@ constexpr double kHeld = 0.25;
 constexpr double kHeldStep = 0.02;  // of the range of the readings
 constexpr double kReversed = 0.5;   // of a scale from -1
 constexpr std::size_t kBinsBesideStep = 5;
-constexpr double kMinStep_m = 0.15;
+constexpr std::int64_t kMaxBesideStep_ns = 12'000'000'000;
+constexpr double kMinStep_m = 0.2;
+constexpr double kLasting = 0.3;  // share by which the rest of the dive may differ from a step
+// Share of the changes that a step does not span. With them alone the fit is the same as without
+// the step (least trimmed squares, Rousseeuw 1984).
+constexpr double kUnspanned = 0.75;
+constexpr int kTrims = 4;
 constexpr double kStep_sigmas = 8.0;
 
-// Medians of half a second.
+// The readings of half a second: their median, and where the body was at their mean time.
 struct Bin {
     std::int64_t time_ns = 0;
     double depth_m = 0.0;
@@ -44,22 +50,37 @@ struct Change {
     double error_m = 0.0;
 };
 
+// Returns the position at a time within the trajectory, by a line between two poses.
+Eigen::Vector3d position_at(const types::Trajectory& trajectory, std::int64_t time_ns) {
+    const auto after =
+        std::ranges::lower_bound(trajectory, time_ns, {}, &types::StampedPose::timestamp_ns);
+    const Eigen::Vector3d to = after->T_world_imu.translation();
+    if (after == trajectory.begin()) return to;
+    const auto before = after - 1;
+    const double share = static_cast<double>(time_ns - before->timestamp_ns) /
+                         static_cast<double>(after->timestamp_ns - before->timestamp_ns);
+    return (1.0 - share) * before->T_world_imu.translation() + share * to;
+}
+
 std::vector<Bin> bins_of(const std::vector<types::PressureSample>& pressure,
                          const types::Trajectory& trajectory) {
     std::vector<Bin> bins;
-    auto sample = pressure.begin();
-    for (const types::StampedPose& pose : trajectory) {
-        if (!bins.empty() && pose.timestamp_ns - bins.back().time_ns < kBin_ns) continue;
-        while (sample != pressure.end() && sample->timestamp_ns < pose.timestamp_ns - kBin_ns / 2)
-            ++sample;
+    if (trajectory.empty()) return bins;
+    auto sample = std::ranges::lower_bound(
+        pressure, trajectory.front().timestamp_ns, {}, &types::PressureSample::timestamp_ns);
+    const std::int64_t last_ns = trajectory.back().timestamp_ns;
+    while (sample != pressure.end() && sample->timestamp_ns <= last_ns) {
+        const std::int64_t first_ns = sample->timestamp_ns;
         std::vector<double> depths;
-        for (auto near = sample; near != pressure.end(); ++near) {
-            if (near->timestamp_ns > pose.timestamp_ns + kBin_ns / 2) break;
-            depths.push_back(near->depth_m);
+        std::int64_t sum_ns = 0;  // since the first
+        for (; sample != pressure.end() && sample->timestamp_ns <= last_ns &&
+               sample->timestamp_ns - first_ns < kBin_ns;
+             ++sample) {
+            depths.push_back(sample->depth_m);
+            sum_ns += sample->timestamp_ns - first_ns;
         }
-        if (!depths.empty())
-            bins.push_back(
-                {pose.timestamp_ns, stats::median(depths), pose.T_world_imu.translation()});
+        const std::int64_t time_ns = first_ns + sum_ns / std::ssize(depths);
+        bins.push_back({time_ns, stats::median(depths), position_at(trajectory, time_ns)});
     }
     return bins;
 }
@@ -117,29 +138,48 @@ double rms_error_m(std::size_t num, const std::vector<Change>& changes) {
     return std::sqrt(squares / static_cast<double>(num));
 }
 
-// Returns the largest step of what the fit leaves of the depths; 0 where none stands out.
+double median_of(std::vector<double>::const_iterator begin,
+                 std::vector<double>::const_iterator end) {
+    return stats::median(std::vector<double>(begin, end));
+}
+
+// Returns the largest step of what the fit leaves of the depths; 0 where none stands out or lasts.
 double step_m(const std::vector<Bin>& bins, const types::Breaks& breaks_ns, const Fit& fit) {
-    const auto median_beside = [&](std::size_t begin) {
-        std::vector<double> rests_m;
-        for (std::size_t i = begin; i < begin + kBinsBesideStep; ++i) {
-            const Eigen::Vector3d& p = bins[i].p_world;
-            rests_m.push_back(bins[i].depth_m -
-                              fit.slopes.dot(Eigen::Vector3d(p.x(), p.y(), -p.z())));
-        }
-        return stats::median(rests_m);
-    };
+    std::vector<double> rests_m;
+    for (const Bin& bin : bins)
+        rests_m.push_back(bin.depth_m - fit.slopes.dot(Eigen::Vector3d(
+                                            bin.p_world.x(), bin.p_world.y(), -bin.p_world.z())));
     std::vector<double> sizes_m;
     double largest_m = 0.0;
+    auto largest_at = rests_m.cbegin();
     for (std::size_t i = kBinsBesideStep; i + kBinsBesideStep <= bins.size(); ++i) {
-        if (is_broken(bins[i - kBinsBesideStep], bins[i + kBinsBesideStep - 1], breaks_ns))
+        const Bin& from = bins[i - kBinsBesideStep];
+        const Bin& to = bins[i + kBinsBesideStep - 1];
+        if (to.time_ns - from.time_ns > kMaxBesideStep_ns || is_broken(from, to, breaks_ns))
             continue;
-        const double change_m = median_beside(i) - median_beside(i - kBinsBesideStep);
+        const auto at = rests_m.cbegin() + static_cast<std::ptrdiff_t>(i);
+        constexpr std::ptrdiff_t kBeside = kBinsBesideStep;
+        const double change_m = median_of(at, at + kBeside) - median_of(at - kBeside, at);
         sizes_m.push_back(std::abs(change_m));
-        if (std::abs(change_m) > std::abs(largest_m)) largest_m = change_m;
+        if (std::abs(change_m) <= std::abs(largest_m)) continue;
+        largest_m = change_m;
+        largest_at = at;
     }
     if (sizes_m.empty()) return 0.0;
     const double sigma_m = stats::kSigmasPerMad * stats::median(sizes_m);
-    return std::abs(largest_m) > std::max(kMinStep_m, kStep_sigmas * sigma_m) ? largest_m : 0.0;
+    if (std::abs(largest_m) < std::max(kMinStep_m, kStep_sigmas * sigma_m)) return 0.0;
+    // Waves and a sensor that lags behind a descent go back; a zero does not.
+    const double lasting_m =
+        median_of(largest_at, rests_m.cend()) - median_of(rests_m.cbegin(), largest_at);
+    return std::abs(lasting_m / largest_m - 1.0) < kLasting ? largest_m : 0.0;
+}
+
+// Returns the fit of the changes that fit best. Sorts them by their errors.
+Fit fit_unspanned(double tilt_rad, Fit fit, std::vector<Change>& changes) {
+    const auto num = static_cast<std::size_t>(kUnspanned * static_cast<double>(changes.size()));
+    for (int i = 0; i < kTrims; ++i)
+        fit = fit_changes(num, std::max(kMinNoise_m, rms_error_m(num, changes)), tilt_rad, changes);
+    return fit;
 }
 
 // Returns the share of the readings that stay at the highest or the lowest.
@@ -177,11 +217,12 @@ PressureJudgement judge_pressure(const std::vector<types::PressureSample>& press
     judgement.error_m = rms_error_m(num, changes);
     judgement.held_share = held_share(pressure);
     const double limit = std::max(kMaxScaleError, kContradicts_sigmas * fit.scale_sigma);
-    judgement.step_m = step_m(bins, breaks_ns, fit);
+    judgement.step_m = step_m(bins, breaks_ns, fit_unspanned(tilt_rad, fit, changes));
+    const bool is_scaled = std::abs(judgement.scale - 1.0) >= limit;
     // What is wrong by a factor is wrong in its errors by as much.
-    const bool explained =
-        judgement.error_m < kMaxError_m * std::max(1.0, std::abs(judgement.scale));
-    if (explained && std::abs(judgement.scale - 1.0) < limit) {
+    const double times = is_scaled ? std::max(1.0, std::abs(judgement.scale)) : 1.0;
+    const bool explained = judgement.error_m < times * kMaxError_m;
+    if (explained && !is_scaled) {
         if (judgement.step_m != 0.0) judgement.fault = PressureFault::Stepped;
         return judgement;
     }

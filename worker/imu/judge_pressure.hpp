@@ -34,8 +34,8 @@ struct PressureJudgement {
 // waves above and a scale that the cameras do not know well are no contradiction. A dive with
 // hardly any change of depth is not judged. The tenth of the changes that fits worst is set aside,
 // so that single wrong readings do no harm. What the fit leaves of the depths must not step: their
-// medians over two and a half seconds before and after a time differ by less than 0.15 m, or by
-// less than eight times what they usually do where waves pass above.
+// medians over five half seconds with readings before and after a time differ by less than 0.2 m,
+// or by less than eight times what they usually do where waves pass above, or do not last.
 PressureJudgement judge_pressure(const std::vector<types::PressureSample>& pressure,
                                  const types::Trajectory& trajectory,
                                  const types::Breaks& breaks_ns,

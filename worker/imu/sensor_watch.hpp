@@ -20,6 +20,7 @@ struct SensorPlan {
     // The scene was lost before vision confirmed the IMU: vision works alone until it does.
     bool imu_unconfirmed = false;
     bool imu_confirmed = false;    // by an earlier attempt: it stays in use when the scene is lost
+    bool imu_unsettled = false;    // left out, as every attempt asked for another plan
     GyroscopeJudgement gyroscope;  // why the plan differs from the dive as stated
     bool accelerometer_clipped = false;      // known before tracking; the dive reports it
     double gravity_disagreement_m_s2 = 0.0;  // likewise, of the accelerometer

@@ -83,6 +83,7 @@ void remove_file(const fs::path& file) {
 
 void remove_keyframe_images(const fs::path& folder) {
     std::error_code failure;
+    if (!fs::is_directory(fs::symlink_status(folder, failure))) return;
     std::vector<fs::path> images;  // a folder must not change while it is listed
     for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
          entry.increment(failure))
@@ -191,6 +192,10 @@ double ReconstructionFolder::scale_sigma() const {
 }
 
 void remove_reconstruction(const fs::path& folder) {
+    std::error_code failure;
+    const bool is_result = fs::exists(folder / "metrics.json", failure) ||
+                           fs::exists(folder / "trajectory_causal.tum", failure);
+    if (!is_result) return;
     for (const std::string_view name : kFiles) remove_file(folder / name);
     remove_keyframe_images(folder / "keyframes");
     for (const char* emptied : {"keyframes", "accuracy"}) {

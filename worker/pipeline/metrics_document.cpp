@@ -97,6 +97,11 @@ void add_imu(const MetricsInput& input, json& result) {
                               {"sigma", {sigma.x(), sigma.y(), sigma.z()}},
                               {"angle", w.norm()},
                               {"applied", refined.rotation_applied}};
+    const Eigen::Vector3d& error = refined.imu.rate_error;
+    const Eigen::Vector3d& error_sigma = refined.rate_error_sigma;
+    result["rate_error"] = {{"vector", {error.x(), error.y(), error.z()}},
+                            {"sigma", {error_sigma.x(), error_sigma.y(), error_sigma.z()}},
+                            {"applied", refined.rate_error_applied}};
 }
 
 // Returns the parts of the calibration that were estimated; empty if none was.

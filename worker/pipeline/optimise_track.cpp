@@ -150,7 +150,9 @@ void TrackOptimiser::refine_calibration(const types::Track& closed) {
 // Adjusts the whole dive with the refined calibration. Returns false and takes no result if the
 // track got worse.
 bool TrackOptimiser::adjust(types::Track closed) {
-    inertial_.align({result_.calibration.applied_alignment().time_offset_s});
+    types::ImuAlignment alignment = result_.calibration.applied_alignment();
+    alignment.q_body_imu.setIdentity();  // apply_calibration() rotates the rig
+    inertial_.align(alignment);
     calibration::apply_calibration(recording_.rig(), result_.calibration, closed);
     base::return_freed_memory();
     refinement_.calibration = result_.calibration;

@@ -30,6 +30,7 @@ types::OptimisedTrack as_tracked(const types::Track& track) {
     result.keyframes = track.keyframes;
     result.mapped = track.mapped;
     result.rig = track.rig;
+    result.calibration.tracked_time_offset_s = track.imu_alignment.time_offset_s;
     return result;
 }
 
@@ -114,6 +115,8 @@ types::Track track(types::Recording& recording,
     // The path must not keep what a wrong sensor did to it.
     ReconstructionOptions without_pressure = options;
     without_pressure.use_pressure = false;
+    store.clear();
+    result = {};
     result = tracked(recording, without_pressure, store, progress);
     result.left_out.pressure = true;
     result.findings.push_back(pressure_left_out(judgement));

@@ -24,16 +24,16 @@ void check_dive(const dive::Dive& dive, const ReconstructionRequest& request) {
 }
 
 std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
-    // A result of another dive must not remain if this one is refused or fails. A mistyped path
-    // removes nothing.
-    if (std::filesystem::exists(request.dive)) io::remove_reconstruction(request.out);
     auto dive = dive::Dive::open(request.dive, request.scratch / "dive");
-    check_dive(*dive, request);
     if (request.options.correct_scale == "on" &&
         !dive::marker_plan_of(dive->markers(), request.options))
         throw Error(ErrorCode::InvalidArgument,
                     "option correct_scale needs known distances, and the dive has no markers.json: "
                     "add one, or give marker_family and marker_size_m");
+    // A result of another dive must not remain if this one is refused or fails. What is no dive, or
+    // a wrong option, removes nothing.
+    io::remove_reconstruction(request.out);
+    check_dive(*dive, request);
     base::return_freed_memory();  // frees the text of the dive's tables
     return dive;
 }

@@ -40,6 +40,7 @@ bool SensorAttempts::again(const imu::SensorWatch& watch, const types::Track& tr
     // Without the IMU nothing asks for another attempt.
     plan_.left_out.imu = true;
     plan_.imu_unconfirmed = false;
+    plan_.imu_unsettled = true;
     plan_.gyroscope.fault = imu::GyroscopeFault::None;
     return true;
 }

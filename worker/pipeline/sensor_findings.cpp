@@ -92,6 +92,17 @@ Finding imu_not_confirmed() {
             "start of a dive"};
 }
 
+Finding imu_not_settled() {
+    return {
+        Severity::Warning,
+        "imu_left_out",
+        kImuTable,
+        "each attempt to track the dive found another error of the IMU; likely cause: its clock "
+        "runs at another rate than that of the cameras, or its rows are incomplete. The dive was "
+        "reconstructed without its IMU",
+        "check the time stamps of the IMU's table"};
+}
+
 Finding accelerometer_not_tested() {
     return {Severity::Warning,
             "accelerometer_left_out",
@@ -175,8 +186,6 @@ std::string cause(const imu::PressureJudgement& judgement) {
                    " of its readings stay at one value: its range "
                    "was exceeded, or its port is blocked";
         case imu::PressureFault::Stepped:
-            return "its zero moved by " + base::fixed(std::abs(judgement.step_m), 2) +
-                   " m at once: it was reset, or its port was blocked and came free";
         case imu::PressureFault::None:
         case imu::PressureFault::Unexplained: break;
     }
@@ -216,13 +225,18 @@ std::optional<Finding> imu_noisy(const std::vector<types::ImuSample>& samples,
 }
 
 Finding pressure_left_out(const imu::PressureJudgement& judgement) {
+    const std::string what =
+        judgement.fault == imu::PressureFault::Stepped
+            ? "the zero of the pressure sensor moved by " +
+                  base::fixed(std::abs(judgement.step_m), 2) +
+                  " m at once; likely cause: it was reset, or its port was blocked and came free"
+            : "changes of depth by the pressure sensor are " + base::fixed(judgement.scale, 2) +
+                  " times those by the images, with an error of " +
+                  base::fixed(judgement.error_m, 2) + " m; likely cause: " + cause(judgement);
     return {Severity::Warning,
             "pressure_left_out",
             kPressureTable,
-            "changes of depth by the pressure sensor are " + base::fixed(judgement.scale, 2) +
-                " times those by the images, with an error of " +
-                base::fixed(judgement.error_m, 2) + " m; likely cause: " + cause(judgement) +
-                ". The dive was reconstructed without its pressure sensor",
+            what + ". The dive was reconstructed without its pressure sensor",
             "check sign, units, range and clock of the pressure sensor's table"};
 }
 
@@ -234,8 +248,9 @@ std::vector<Finding> sensor_findings(const imu::SensorPlan& plan) {
         findings.push_back(ahrs_left_out_for_a_time(plan));
     const bool explained = plan.gyroscope.fault != imu::GyroscopeFault::None;
     if (plan.imu_unconfirmed || plan.left_out.imu) {
-        findings.push_back(plan.imu_unconfirmed || !explained ? imu_not_confirmed()
-                                                              : imu_left_out(plan.gyroscope));
+        findings.push_back(plan.imu_unsettled                   ? imu_not_settled()
+                           : plan.imu_unconfirmed || !explained ? imu_not_confirmed()
+                                                                : imu_left_out(plan.gyroscope));
         return findings;
     }
     if (plan.time_offset_s != 0.0) findings.push_back(clock_offset(plan.time_offset_s));

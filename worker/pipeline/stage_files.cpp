@@ -102,6 +102,7 @@ void fields(auto& file, Is<types::RectifiedRig> auto& rig) {
 void fields(auto& file, Is<types::ImuAlignment> auto& alignment) {
     file.plain(alignment.time_offset_s);
     file.raw(alignment.q_body_imu.coeffs());
+    file.raw(alignment.rate_error);
 }
 
 void fields(auto& file, Is<types::SensorsLeftOut> auto& left_out) {
@@ -125,6 +126,8 @@ void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {
     file.flag(calibration.time_offset_applied);
     file.plain(calibration.tracked_time_offset_s);
     file.flag(calibration.rotation_applied);
+    file.raw(calibration.rate_error_sigma);
+    file.flag(calibration.rate_error_applied);
     file.flag(calibration.lenses_applied);
     file.plain(calibration.readout_time_s);
     file.plain(calibration.readout_time_sigma_s);

@@ -29,9 +29,10 @@ constexpr double kMinShareWithDepth = 0.3;
 constexpr double kMinOverlap = 0.6;
 constexpr int kGridSize = 12;
 constexpr double kPausePeriods = 5.0;
-// Pairs that could not be used are missed from so long a run on: a camera that repeats some images
-// is only slower.
+// Pairs that could not be used are missed from so long a run on: a camera that lacks or repeats
+// some images is only slower.
 constexpr double kMissed_s = 1.0;
+constexpr double kMissedPeriods = 5.0;
 
 // Consecutive frames whose motions from the frame before were not measured, numbered from 0 among
 // the frames that decode.
@@ -120,11 +121,19 @@ Cause too_little_overlap(double overlap, double interval_s) {
                 " pairs a second"};
 }
 
+// Returns how long the pairs of a run were missed, at the rate of the frames that were used; 0 if
+// they were not. A recorder that paused recorded no pairs.
+double missed_s(const types::UnusablePairs& run, double period_s) {
+    const double lost_s = std::min(run.duration_s, static_cast<double>(run.num) * period_s);
+    return lost_s > std::max(kMissed_s, kMissedPeriods * period_s) ? lost_s : 0.0;
+}
+
 // Returns the pairs before a frame that could not be used, if they were missed.
 const types::UnusablePairs* unusable_before(const types::Track& track, std::size_t frame) {
     const auto run = std::ranges::find(
         track.unusable, static_cast<std::int64_t>(frame), &types::UnusablePairs::next_frame);
-    return run != track.unusable.end() && run->duration_s > kMissed_s ? &*run : nullptr;
+    return run != track.unusable.end() && missed_s(*run, median_period_s(track)) > 0.0 ? &*run
+                                                                                       : nullptr;
 }
 
 // Returns the likely cause of a loss.
@@ -206,8 +215,9 @@ Finding finding_on_all(const types::Track& track,
 struct Missed {
     std::int64_t num_pairs = 0;   // all
     std::int64_t num_missed = 0;  // those that could not be used
-    double duration_s = 0.0;      // of the runs that are missed
+    double duration_s = 0.0;      // that is missed
     double share = 0.0;           // of the dive's duration
+    double longest_s = 0.0;       // at one time
     const types::UnusablePairs* longest = nullptr;
 };
 
@@ -217,14 +227,16 @@ Missed missed_by(const types::Track& track) {
     if (!track.odometry.empty())
         duration_s =
             base::to_s(track.odometry.back().timestamp_ns - track.odometry.front().timestamp_ns);
+    const double period_s = median_period_s(track);
     for (const types::UnusablePairs& run : track.unusable) {
         missed.num_missed += run.num;
         if (run.next_frame == 0 || run.next_frame == std::ssize(track.odometry))
             duration_s += run.duration_s;
-        if (run.duration_s <= kMissed_s) continue;
-        missed.duration_s += run.duration_s;
-        if (missed.longest == nullptr || run.duration_s > missed.longest->duration_s)
-            missed.longest = &run;
+        const double run_s = missed_s(run, period_s);
+        missed.duration_s += run_s;
+        if (run_s <= missed.longest_s) continue;
+        missed.longest_s = run_s;
+        missed.longest = &run;
     }
     missed.num_pairs = track.statistics.num_frames + missed.num_missed;
     if (duration_s > 0.0) missed.share = missed.duration_s / duration_s;
@@ -255,7 +267,7 @@ std::optional<Finding> images_unusable(const types::Track& track) {
                    pairs_text(missed) + ": " + base::fixed(missed.duration_s, 1) + " s (" +
                        base::fixed(100.0 * missed.share, 1) +
                        " %) of the dive are missing, at one time " +
-                       base::fixed(longest.duration_s, 1) + " s",
+                       base::fixed(missed.longest_s, 1) + " s",
                    kMendImages};
 }
 
@@ -269,6 +281,7 @@ std::optional<Finding> too_little_tracked(const types::Track& track) {
     const double share = static_cast<double>(statistics.num_frames_tracked - 1) /
                          static_cast<double>(statistics.num_frames - 1);
     if ((1.0 - missed.share) * share >= kMinShare) return std::nullopt;
+    if (share >= kMinShare) return nothing_usable(missed);
     const std::vector<Loss> losses =
         losses_of(track, measured_frames(track.odometry, track.breaks_ns, track.keyframes));
     const auto longest = std::max_element(losses.begin(), losses.end(), is_shorter);

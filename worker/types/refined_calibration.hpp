@@ -18,6 +18,8 @@ struct RefinedCalibration {
     // Used where the estimate is not: the offset with which the dive was tracked.
     double tracked_time_offset_s = 0.0;
     bool rotation_applied = false;
+    Eigen::Vector3d rate_error_sigma = Eigen::Vector3d::Zero();
+    bool rate_error_applied = false;
     // The two lenses, left and right.
     std::array<LensChange, 2> lenses;
     std::array<LensChange::Vector, 2> lens_sigmas = {LensChange::Vector::Zero(),
@@ -35,14 +37,17 @@ struct RefinedCalibration {
         ImuAlignment applied;
         applied.time_offset_s = time_offset_applied ? imu.time_offset_s : tracked_time_offset_s;
         if (rotation_applied) applied.q_body_imu = imu.q_body_imu;
+        if (rate_error_applied) applied.rate_error = imu.rate_error;
         return applied;
     }
     bool is_applied() const {
-        return time_offset_applied || rotation_applied || lenses_applied || readout_time_applied;
+        return time_offset_applied || rotation_applied || rate_error_applied || lenses_applied ||
+               readout_time_applied;
     }
     // Keeps the estimates but applies none of them.
     void leave_as_stated() {
-        time_offset_applied = rotation_applied = lenses_applied = readout_time_applied = false;
+        time_offset_applied = rotation_applied = rate_error_applied = false;
+        lenses_applied = readout_time_applied = false;
     }
     // Returns false if there were no data to estimate it from.
     bool is_known() const { return lens_sigmas[0][0] > 0.0; }

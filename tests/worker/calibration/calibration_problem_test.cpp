@@ -68,6 +68,22 @@ TEST_F(CalibrationProblemTest, ConvergesToTheDelayOfTheClock) {
     EXPECT_NEAR(time_offset_s_, kDelay_s, 0.002);
 }
 
+TEST_F(CalibrationProblemTest, FindsRatesThatAreTooLarge) {
+    delay_imu(0.0);
+    const Eigen::Vector3d error(0.0, 0.0, 0.03);  // the path rolls most about this axis
+    for (types::ImuSample& sample : recording_.its_imu)
+        sample.angular_velocity_imu += error.cwiseProduct(sample.angular_velocity_imu);
+    const types::RefinedCalibration found =
+        refined(make_options("standard", nlohmann::json::object())).calibration;
+    EXPECT_TRUE(found.rate_error_applied);
+    EXPECT_NEAR(found.applied_alignment().rate_error.z(), 0.03 / 1.03, 0.005);
+}
+
+TEST_F(CalibrationProblemTest, RightRatesAreLeftAsTheyAre) {
+    EXPECT_FALSE(
+        refined(make_options("standard", nlohmann::json::object())).calibration.rate_error_applied);
+}
+
 // The dive was tracked with an offset of half a second, so the estimate lies near it.
 TEST_F(CalibrationProblemTest, ConvergesToADelayThatTrackingFound) {
     delay_imu(0.5);

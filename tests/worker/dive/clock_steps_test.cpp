@@ -187,6 +187,23 @@ TEST(ClockStepsTest, ATableWithAClockOfItsOwnIsNotMovedAndIsTold) {
     }
 }
 
+// Names of images have no order but that of time: after a clock was set back by more than the dive
+// lasts, they begin with the later frames.
+TEST(ClockStepsTest, RowsThatWereSortedByTimeAreNotMovedAndAreTold) {
+    const SetBack set_back{50'000, 600'000};
+    FindingLog log;
+    CommonClock common(log);
+    common.add("imu0", set_back.by_imu());
+    auto stamps_ns = set_back.written(times(200, 0, 100'000));
+    std::sort(stamps_ns.begin(), stamps_ns.end());
+
+    const TableClock clock = find_clock_steps(stamps_ns, common.known());
+    common.add("cam0", clock);
+
+    EXPECT_TRUE(clock.steps.empty());
+    EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "clocks_disagree", "cam0"));
+}
+
 TEST(ClockStepsTest, TheTruthIsMovedAsTheOtherTables) {
     const SetBack set_back{10'000, 60'000};
     FindingLog log;

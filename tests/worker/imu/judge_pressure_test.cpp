@@ -91,15 +91,41 @@ TEST(JudgePressureTest, NamesAZeroThatMoved) {
     }
 }
 
-TEST(JudgePressureTest, SwellAndADescentAreNoSteps) {
+TEST(JudgePressureTest, SwellIsNoStep) {
     const auto with_swell = [](double t_s) { return depth_at(t_s) + 0.12 * std::sin(0.9 * t_s); };
     EXPECT_EQ(judged(with_swell).fault, PressureFault::None);
+    const auto with_a_wake = [](double t_s) {
+        return depth_at(t_s) + (std::abs(t_s - 20.0) < 5.0 ? 0.2 * std::sin(1.4 * t_s) : 0.0);
+    };
+    EXPECT_EQ(judged(with_a_wake).fault, PressureFault::None);
+}
+
+// A slow sensor reads between two poses, and one that lags reads less while the rig sinks.
+TEST(JudgePressureTest, ADescentIsNoStep) {
     types::Trajectory descent = path(0.0);
-    const auto sunk_m = [](double t_s) { return std::clamp(1.5 * (t_s - 20.0), 0.0, 3.0); };
+    const auto sunk_m = [](double t_s) { return std::clamp(1.0 * (t_s - 15.0), 0.0, 10.0); };
     for (types::StampedPose& pose : descent)
         pose.T_world_imu.translation().z() -= sunk_m(1e-9 * static_cast<double>(pose.timestamp_ns));
-    const auto sinking = [&](double t_s) { return depth_at(t_s) + sunk_m(t_s); };
-    EXPECT_EQ(judged(sinking, descent).fault, PressureFault::None);
+    for (const double lag_s : {0.0, 0.3})
+        for (const int period_ms : {200, 500, 1000}) {
+            std::vector<types::PressureSample> pressure;
+            for (int t_ms = 130; t_ms < 1000 * kDuration_s; t_ms += period_ms) {
+                const double t_s = 1e-3 * t_ms - lag_s;
+                pressure.push_back({t_ms * std::int64_t{1'000'000}, depth_at(t_s) + sunk_m(t_s)});
+            }
+            EXPECT_EQ(judge_pressure(pressure, descent, {}, true).fault, PressureFault::None)
+                << lag_s << " s " << period_ms << " ms";
+        }
+}
+
+// A path that keeps its depth does not tell the scale, and a wrong one explains nothing.
+TEST(JudgePressureTest, AnotherDiveIsUnexplainedWhereThePathIsLevel) {
+    types::Trajectory level = path(0.0);
+    for (std::size_t i = 0; i < level.size(); ++i)
+        level[i].T_world_imu.translation().z() =
+            -8.0 + 0.02 * std::sin(0.11 * static_cast<double>(i));
+    EXPECT_EQ(judged([](double t_s) { return 8.0 + 1.0 * std::sin(t_s / 2.3); }, level).fault,
+              PressureFault::Unexplained);
 }
 
 TEST(JudgePressureTest, AnotherDiveIsUnexplained) {

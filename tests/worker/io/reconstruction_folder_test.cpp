@@ -127,7 +127,8 @@ TEST_F(ReconstructionFolderTest, RemovesItsFilesAndKeepsAllOthers) {
     fs::create_directories(file("keyframes"));
     fs::create_directories(file("accuracy"));
     fs::create_directories(file("mesh.glb"));  // not what a reconstruction writes
-    for (const char* name : {"mesh.ply",
+    for (const char* name : {"metrics.json",
+                             "mesh.ply",
                              "mosaic_height.tif",
                              "keyframes/000012.jpg",
                              "keyframes/1234567.jpg",
@@ -146,6 +147,16 @@ TEST_F(ReconstructionFolderTest, RemovesItsFilesAndKeepsAllOthers) {
     EXPECT_FALSE(fs::exists(file("accuracy")));
     EXPECT_TRUE(fs::is_directory(file("mesh.glb")));
     remove_reconstruction(file("nowhere"));
+}
+
+TEST_F(ReconstructionFolderTest, AFolderWithoutAResultKeepsAllFiles) {
+    namespace fs = std::filesystem;
+    fs::create_directories(file("keyframes"));
+    for (const char* name : {"mesh.ply", "keyframes/20261127.jpg"}) write(name, "kept");
+    fs::remove(file("metrics.json"));
+    remove_reconstruction(file(""));
+    EXPECT_TRUE(fs::exists(file("mesh.ply")));
+    EXPECT_TRUE(fs::exists(file("keyframes/20261127.jpg")));
 }
 
 TEST_F(ReconstructionFolderTest, AQuaternionThatIsNoRotationIsRefused) {

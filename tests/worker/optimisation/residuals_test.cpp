@@ -94,14 +94,30 @@ TEST(MisalignedGyroRotationCostTest, VanishesAtTheTruthAndHasTrueDerivatives) {
     const CostFunction cost(MisalignedGyroRotationCost::create(rotation));
 
     EXPECT_LT(
-        max_residual(*cost, {block(q_i), block(q_j), {0, 0, 0}, {m.x(), m.y(), m.z()}, {0.004}}),
+        max_residual(
+            *cost,
+            {block(q_i), block(q_j), {0, 0, 0}, {m.x(), m.y(), m.z()}, {0.004}, {0.0, 0.0, 0.0}}),
         1e-9);
+    // Rates that are 3 % too large about one axis turn 3 % too far about it.
+    rotation.integral.q_from_to = base::rotation_from_vector({0.0, 1.03 * 0.2, 0.0});
+    const Eigen::Quaterniond q_too_far =
+        q_i * (M * base::rotation_from_vector({0.0, 0.2, 0.0}) * M.conjugate());
+    const CostFunction too_large(MisalignedGyroRotationCost::create(rotation));
+    EXPECT_LT(max_residual(*too_large,
+                           {block(q_i),
+                            block(q_too_far),
+                            {0, 0, 0},
+                            {m.x(), m.y(), m.z()},
+                            {0.004},
+                            {0.0, 0.03 / 1.03, 0.0}}),
+              1e-4);
     expect_true_jacobians(*cost,
                           {block(q_i),
                            block(q_j * base::rotation_from_vector({0.01, 0.0, 0.02})),
                            {0.01, -0.02, 0.005},
                            {0.02, 0.01, -0.01},
-                           {0.006}});
+                           {0.006},
+                           {0.01, -0.02, 0.03}});
 }
 
 TEST(PointTransferTest, VanishesAtTheTruthAndHasTrueDerivatives) {

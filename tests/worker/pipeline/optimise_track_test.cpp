@@ -96,7 +96,7 @@ TEST_F(OptimiseTrackTest, LeavesACalibrationThatTheAccelerometerContradicts) {
         recording_.its_imu[i].angular_velocity_imu = late[i].angular_velocity_imu;
     options_.align_imu = true;
     const types::OptimisedTrack result = optimised(track);
-    EXPECT_NEAR(result.calibration.imu.time_offset_s, kDelay_s, 0.03);
+    EXPECT_GT(result.calibration.imu.time_offset_s, 0.5 * kDelay_s);
     ASSERT_EQ(result.findings.size(), 1U);
     EXPECT_EQ(result.findings[0].code, "calibration_not_taken");
     EXPECT_EQ(result.findings[0].severity, Severity::Warning);

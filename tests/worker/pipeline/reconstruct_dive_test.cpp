@@ -172,12 +172,18 @@ TEST_F(ReconstructDiveTest, ARefusedDiveLeavesNothingOfAnEarlierResultButWhatIts
     EXPECT_EQ(names_in(folder_ / "model"), (std::set<std::string>{"notes.txt"}));
 }
 
-TEST_F(ReconstructDiveTest, ADiveThatDoesNotExistRemovesNothing) {
+TEST_F(ReconstructDiveTest, WhatIsNoDiveOrAWrongOptionRemovesNothing) {
     fs::create_directories(folder_ / "model");
-    std::ofstream(folder_ / "model/mesh.ply") << "kept";
-    auto mistyped = request("model", nlohmann::json::object());
-    mistyped.dive = folder_ / "dvie";
-    EXPECT_THROW(reconstruct_dive(mistyped, base::ignore_progress), Error);
+    for (const char* name : {"model/mesh.ply", "model/metrics.json", "note.txt"})
+        std::ofstream(folder_ / name) << "kept";
+    for (const char* dive : {"dvie", "note.txt"}) {
+        auto mistyped = request("model", nlohmann::json::object());
+        mistyped.dive = folder_ / dive;
+        EXPECT_THROW(reconstruct_dive(mistyped, base::ignore_progress), Error) << dive;
+    }
+    EXPECT_THROW(
+        reconstruct_dive(request("model", {{"correct_scale", "on"}}), base::ignore_progress),
+        Error);
     EXPECT_TRUE(fs::exists(folder_ / "model/mesh.ply"));
 }
 

@@ -84,6 +84,7 @@ TEST_F(SensorAttemptsTest, AClockThatIsNeverRightEndsWithoutTheImu) {
         EXPECT_TRUE(attempts.again(watch, {}));
     }
     EXPECT_TRUE(attempts.plan().left_out.imu);
+    EXPECT_TRUE(attempts.plan().imu_unsettled);
     EXPECT_FALSE(again(attempts, kNumFrames));
 }
 

@@ -127,6 +127,17 @@ TEST_F(TrackingFindingsTest, ACameraThatRepeatsItsImagesIsOnlySlower) {
     EXPECT_FALSE(too_little_tracked(track_));
 }
 
+// At one pair a second every second one is missing; one pair after a pause is broken.
+TEST_F(TrackingFindingsTest, SinglePairsOfASlowCameraAndAPauseAreNotMissed) {
+    swim(0.1, 100, 99, {});
+    for (std::size_t i = 0; i < track_.odometry.size(); ++i)
+        track_.odometry[i].timestamp_ns = 2'000'000'000LL * static_cast<std::int64_t>(i);
+    for (int i = 1; i < 100; ++i) track_.unusable.push_back({2 * i - 1, 1, i, 2.0});
+    track_.unusable[50].duration_s = 60.0;
+    EXPECT_TRUE(tracking_findings(track_).empty());
+    EXPECT_FALSE(too_little_tracked(track_));
+}
+
 TEST_F(TrackingFindingsTest, OneUsablePairOfManyIsNoModel) {
     track_.statistics.num_frames = track_.statistics.num_frames_tracked = 1;
     track_.odometry.resize(1);
