@@ -75,6 +75,7 @@ constexpr Row kRows[] = {
     {"imu_left_out_for_a_time",     ""},
     {"accelerometer_left_out",      ""},
     {"ahrs_left_out",               ""},
+    {"ahrs_jump",                   ""},
     {"ahrs_left_out_for_a_time",    ""},
     {"pressure_left_out",           ""},
     {"imu_clock_offset",            ""},

@@ -7,6 +7,7 @@
 
 #include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
+#include "worker/dive/ahrs_jumps.hpp"
 #include "worker/dive/csv.hpp"
 #include "worker/dive/imu_clipped.hpp"
 #include "worker/dive/imu_frozen.hpp"
@@ -262,7 +263,7 @@ std::vector<types::OrientationSample> parse_ahrs(std::string_view text,
                                                  FindingLog& findings,
                                                  CommonClock* clock) {
     StampCheck check("ahrs", file, findings);
-    return read_samples<4, types::OrientationSample>(
+    auto samples = read_samples<4, types::OrientationSample>(
         text,
         check,
         clock,
@@ -271,6 +272,8 @@ std::vector<types::OrientationSample> parse_ahrs(std::string_view text,
             if (!q) return std::nullopt;
             return types::OrientationSample{timestamp_ns, *q};
         });
+    take_off_ahrs_jumps(samples, file, findings);
+    return samples;
 }
 
 std::vector<types::PressureSample> parse_pressure(std::string_view text,
