@@ -37,6 +37,11 @@ constexpr double kFits = 0.1;            // unexplained shares
 constexpr double kContradicts = 0.25;
 // Max share that another offset leaves unexplained, relative to the best near one.
 constexpr double kMaxUnexplainedRatio = 0.4;
+// Rates that are wrong by more than the cheapest gyroscope's scale; less is estimated with the
+// dive.
+constexpr double kMaxScaleError = 0.12;
+constexpr double kMinScaledRate_rad_s = 3.0 * kMinRate_rad_s;  // noise adds less to the scale then
+constexpr double kScaledShare = 0.25;  // of the residual share, that a scale leaves
 constexpr double kMaxTilt_rad = 20.0 * base::kRadPerDeg;
 constexpr double kRotationPrior = 0.05;  // of the correlation: holds axes without rotation
 constexpr double kHuber = 3.0;           // in medians of the residuals' norms
@@ -117,7 +122,8 @@ struct Fit {
     double unexplained = 1.0;     // share, of the worst axis
     double residual_share = 1.0;  // of all axes, noise included: tells the better of two good fits
     double scale = 1.0;
-    double rate_rad_s = 0.0;  // RMS about the axis with the most, of the larger of the two
+    double scaled_share = 1.0;  // the residual share once that scale is taken off
+    double rate_rad_s = 0.0;    // RMS about the axis with the most, of the larger of the two
     Eigen::Matrix3d mounting = Eigen::Matrix3d::Identity();
 };
 
@@ -169,6 +175,8 @@ Fit fit_at(const Rates& rates, double offset_s, const Eigen::Matrix3d& given) {
                  moments.vision.diagonal().maxCoeff()));
     const double both = (mounting * moments.gyroscope_vision).trace();
     fit.scale = moments.gyroscope.trace() / std::max(both, 1e-12);
+    fit.scaled_share =
+        1.0 - both * both / std::max(moments.gyroscope.trace() * moments.vision.trace(), 1e-12);
     fit.residual_share = (moments.gyroscope.trace() + moments.vision.trace() - 2.0 * both) /
                          std::max({moments.gyroscope.trace(), moments.vision.trace(), 1e-12});
     return fit;
@@ -320,6 +328,12 @@ void RotationSpans::add(const VisionRotation& rotation) {
     open_ = {};
 }
 
+// Returns true if the rates differ from those of vision by a factor, and by little else.
+bool is_scaled(const Fit& fit) {
+    return std::abs(fit.scale - 1.0) > kMaxScaleError && fit.rate_rad_s > kMinScaledRate_rad_s &&
+           fit.scaled_share < kScaledShare * fit.residual_share;
+}
+
 GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
                                    const std::vector<RotationSpan>& spans) {
     GyroscopeJudgement judgement;
@@ -342,6 +356,12 @@ GyroscopeJudgement judge_gyroscope(const std::vector<types::ImuSample>& samples,
     if (!near || near->rate_rad_s < kMinRate_rad_s) return judgement;
     judgement.time_offset_s = near->offset_s;
     judgement.unexplained_share = near->unexplained;
+    if (is_scaled(*near)) {
+        judgement.fit = GyroscopeFit::Contradicts;
+        judgement.fault = GyroscopeFault::Scaled;
+        judgement.scale = near->scale;
+        return judgement;
+    }
     if (near->unexplained < kFits && !is_at_edge(*near)) {
         judgement.fit = GyroscopeFit::Fits;
         return judgement;

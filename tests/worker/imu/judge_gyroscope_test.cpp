@@ -41,14 +41,15 @@ std::vector<types::ImuSample> gyroscope(double start_s, const Wrong& wrong) {
     return samples;
 }
 
-// Returns the turns that cameras at 10 Hz see in 20 s, one rotation in twelve wrong.
-std::vector<RotationSpan> turns(double start_s) {
+// Returns the turns that cameras at 10 Hz see in 20 s, one rotation in twelve wrong by `times` the
+// noise.
+std::vector<RotationSpan> turns(double start_s, double times = 100.0) {
     std::mt19937 random(5);
     std::normal_distribution<double> normal(0.0, 3e-4);
     RotationSpans spans;
     for (int i = 0; i < 200; ++i) {
         const auto time_ns = [&](int k) { return std::llround(1e9 * (start_s + 0.1 * k)); };
-        const double wrong = i % 12 == 5 ? 100.0 : 1.0;
+        const double wrong = i % 12 == 5 ? times : 1.0;
         const Eigen::Vector3d noise(normal(random), normal(random), normal(random));
         spans.add(
             {time_ns(i),
@@ -77,6 +78,21 @@ TEST(JudgeGyroscopeTest, SmallErrorsThatTheAlignmentMendsFit) {
             base::rotation_from_vector({0.1, -0.1, 0.1}) * sample.angular_velocity_imu;
     });
     EXPECT_EQ(judgement.fit, GyroscopeFit::Fits);
+}
+
+TEST(JudgeGyroscopeTest, ScalesThatNoGyroscopeHasContradict) {
+    for (const double scale : {0.6, 0.8, 1.2, 1.3, 1.6}) {
+        const auto scaled = [&](types::ImuSample& sample) { sample.angular_velocity_imu *= scale; };
+        const auto judgement = judge_gyroscope(gyroscope(0.0, scaled), turns(0.0, 10.0));
+        EXPECT_EQ(judgement.fit, GyroscopeFit::Contradicts) << scale;
+        EXPECT_EQ(judgement.fault, GyroscopeFault::Scaled) << scale;
+        EXPECT_NEAR(judgement.scale, scale, 0.03 * scale);
+    }
+    for (const double scale : {0.95, 1.05})
+        EXPECT_EQ(
+            judged([&](types::ImuSample& sample) { sample.angular_velocity_imu *= scale; }).fit,
+            GyroscopeFit::Fits)
+            << scale;
 }
 
 TEST(JudgeGyroscopeTest, FindsAClockThatIsOffByUpToASecond) {
