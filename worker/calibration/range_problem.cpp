@@ -19,6 +19,9 @@ constexpr int kNumAll = kNumPose + kNumRangeUnknowns;
 constexpr std::size_t kMinMatches = 15;  // of a window
 constexpr double kMinError_px = 0.03;
 constexpr double kMinDisparity = 1e-3;  // of the focal length
+// The features of a window err alike, and the scatter of fewer windows does not show by how much:
+// these count as if their variances were larger in that proportion.
+constexpr double kWindowsThatTell = 4.0;
 
 using AllUnknowns = Eigen::Matrix<double, kNumAll, 1>;  // pose (rotation, translation), shared
 
@@ -234,6 +237,10 @@ private:
             result.gradient += gradient;
             result.between_windows += gradient * gradient.transpose();
         }
+        const double share = std::min(1.0, static_cast<double>(all.size()) / kWindowsThatTell);
+        result.information *= share;
+        result.gradient *= share;
+        result.between_windows *= share;
         RangeUnknowns sigmas = prior_sigmas_;
         RangeUnknowns off = values_ - prior_;
         sigmas[1] /= rig_.focal_px;

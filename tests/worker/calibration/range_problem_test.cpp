@@ -98,6 +98,17 @@ TEST(RangeProblemTest, FindsNoBiasInARightCalibration) {
     EXPECT_NEAR(found.error_px, kNoise_px, 0.04);
 }
 
+// One window counts a quarter of one among four, so its sigma is four times that of four.
+TEST(RangeProblemTest, FewWindowsTellLess) {
+    const std::vector<RangeWindow> one = Windows(0.0, 0.0).make(1);
+    const std::vector<RangeWindow> four(4, one[0]);
+    const double sigma_of_four_px = solve_ranges(rig(), four, kNoChange, kSigmas).bias_sigma_px;
+    const RangeSolution found = solve_ranges(rig(), one, kNoChange, kSigmas);
+    EXPECT_GT(found.bias_sigma_px, 3.5 * sigma_of_four_px);
+    EXPECT_LT(found.bias_sigma_px, 4.1 * sigma_of_four_px);
+    EXPECT_LT(std::abs(found.bias_px), 3.0 * found.bias_sigma_px);
+}
+
 TEST(RangeProblemTest, FailsWhereAGuessIsNotFinite) {
     std::vector<RangeWindow> windows = Windows(0.0, 0.0).make(2);
     windows[1].T_after_before.translation().x() = std::numeric_limits<double>::quiet_NaN();
