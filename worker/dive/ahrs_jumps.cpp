@@ -7,12 +7,14 @@
 #include "worker/base/angle.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::dive {
 namespace {
 
 constexpr double kMinJump_rad = 5.0 * base::kRadPerDeg;
 constexpr double kMinRate_rad_s = 4.0;
+constexpr double kMinTimes = 10.0;  // the usual angle between two rows
 constexpr std::size_t kMaxJumps = 20;
 
 // The jump from the row before to `row`.
@@ -21,13 +23,22 @@ struct Jump {
     double angle_rad = 0.0;
 };
 
+// Returns the angle from each row to the next.
+std::vector<double> angles_of(const std::vector<types::OrientationSample>& samples) {
+    std::vector<double> angles_rad;
+    for (std::size_t i = 1; i < samples.size(); ++i)
+        angles_rad.push_back(samples[i - 1].q_world_imu.angularDistance(samples[i].q_world_imu));
+    return angles_rad;
+}
+
 std::vector<Jump> jumps_of(const std::vector<types::OrientationSample>& samples) {
+    const std::vector<double> angles_rad = angles_of(samples);
+    const double min_rad = std::max(kMinJump_rad, kMinTimes * stats::median(angles_rad));
     std::vector<Jump> jumps;
     for (std::size_t i = 1; i < samples.size(); ++i) {
-        const double angle_rad = samples[i - 1].q_world_imu.angularDistance(samples[i].q_world_imu);
         const double interval_s = base::to_s(samples[i].timestamp_ns - samples[i - 1].timestamp_ns);
-        if (angle_rad > kMinJump_rad && angle_rad > kMinRate_rad_s * interval_s)
-            jumps.push_back({i, angle_rad});
+        if (angles_rad[i - 1] > std::max(min_rad, kMinRate_rad_s * interval_s))
+            jumps.push_back({i, angles_rad[i - 1]});
     }
     return jumps;
 }
