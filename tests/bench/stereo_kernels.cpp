@@ -1,12 +1,14 @@
 // Step 1. `DE` is one disparity of one pixel evaluated.
 #include <benchmark/benchmark.h>
 #include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "tests/bench/kernel_images.hpp"
 #include "tests/bench/measured.hpp"
 #include "worker/stereo/block_matcher.hpp"
 #include "worker/stereo/census_sgm.hpp"
 #include "worker/stereo/refine_disparity.hpp"
+#include "worker/stereo/search_tiles.hpp"
 #include "worker/stereo/speckles.hpp"
 
 namespace divemesh::bench {
@@ -84,6 +86,43 @@ void census_sgm_refined(benchmark::State& state) {
     });
 }
 
+// A pair of 1920 x 1440 px and 448 disparities: the whole range, or by tiles as half the size
+// tells, with the time for that half.
+constexpr int kLargeRange_px = 448;
+
+ImagePair large_bed() {
+    ImagePair pair;
+    cv::resize(slanted_bed().left, pair.left, {}, 3.0, 3.0, cv::INTER_CUBIC);
+    cv::resize(slanted_bed().right, pair.right, {}, 3.0, 3.0, cv::INTER_CUBIC);
+    return pair;
+}
+
+void large_whole(benchmark::State& state) {
+    const ImagePair pair = large_bed();
+    stereo::CensusSgm matcher(kLargeRange_px);
+    measure(state, "px", 9.0 * kNumPixels, [&] {
+        benchmark::DoNotOptimize(matcher.compute(pair.left, pair.right));
+    });
+}
+
+void large_by_tiles(benchmark::State& state) {
+    const ImagePair pair = large_bed();
+    stereo::CensusSgm matcher(kLargeRange_px);
+    stereo::CensusSgm half_matcher(kLargeRange_px / 2);
+    measure(state, "px", 9.0 * kNumPixels, [&] {
+        ImagePair half;
+        cv::resize(pair.left, half.left, {}, 0.5, 0.5, cv::INTER_AREA);
+        cv::resize(pair.right, half.right, {}, 0.5, 0.5, cv::INTER_AREA);
+        cv::Mat seen = cv::max(half_matcher.compute(half.left, half.right), 0.0);
+        stereo::remove_speckles(seen, 120, 1.5F);
+        benchmark::DoNotOptimize(
+            matcher.compute(pair.left,
+                            pair.right,
+                            stereo::search_tiles(seen, pair.left.size(), {0, kLargeRange_px}),
+                            stereo::CensusSgm::kMinTolerance));
+    });
+}
+
 void block_matcher(benchmark::State& state) {
     stereo::BlockMatcher matcher(static_cast<int>(state.range(0)),
                                  static_cast<Instructions>(state.range(1)));
@@ -124,6 +163,8 @@ void opencv_speckles(benchmark::State& state) {
 BENCHMARK(opencv_3way)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK(census_sgm)->Apply(every_set);
 BENCHMARK(census_sgm_refined)->Apply(every_set);
+BENCHMARK(large_whole)->Unit(benchmark::kMillisecond);
+BENCHMARK(large_by_tiles)->Unit(benchmark::kMillisecond);
 BENCHMARK(opencv_block)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK(block_matcher)->Apply(every_set);
 BENCHMARK(opencv_speckles)->Unit(benchmark::kMillisecond);
