@@ -54,12 +54,12 @@ struct Change {
 Eigen::Vector3d position_at(const types::Trajectory& trajectory, std::int64_t time_ns) {
     const auto after =
         std::ranges::lower_bound(trajectory, time_ns, {}, &types::StampedPose::timestamp_ns);
-    const Eigen::Vector3d to = after->T_world_imu.translation();
-    if (after == trajectory.begin()) return to;
+    if (after == trajectory.begin()) return after->T_world_imu.translation();
     const auto before = after - 1;
     const double share = static_cast<double>(time_ns - before->timestamp_ns) /
                          static_cast<double>(after->timestamp_ns - before->timestamp_ns);
-    return (1.0 - share) * before->T_world_imu.translation() + share * to;
+    return (1.0 - share) * before->T_world_imu.translation() +
+           share * after->T_world_imu.translation();
 }
 
 std::vector<Bin> bins_of(const std::vector<types::PressureSample>& pressure,
@@ -146,6 +146,7 @@ double median_of(std::vector<double>::const_iterator begin,
 // Returns the largest step of what the fit leaves of the depths; 0 where none stands out or lasts.
 double step_m(const std::vector<Bin>& bins, const types::Breaks& breaks_ns, const Fit& fit) {
     std::vector<double> rests_m;
+    rests_m.reserve(bins.size());
     for (const Bin& bin : bins)
         rests_m.push_back(bin.depth_m - fit.slopes.dot(Eigen::Vector3d(
                                             bin.p_world.x(), bin.p_world.y(), -bin.p_world.z())));

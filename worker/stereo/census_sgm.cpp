@@ -97,7 +97,7 @@ cv::Mat CensusSgm::compute(const cv::Mat& left,
            right_census_);
     winners_.create(left.size());
     for (const SearchTile& tile : tiles) find_winners(left, tile);
-    right_best_.resize(static_cast<std::size_t>(image_width_ + end_disparity));
+    right_best_.resize(static_cast<std::size_t>(image_width_) + end_disparity);
     for (int y = 0; y < left.rows; ++y) write_row(y, disparity.ptr<float>(y));
     return disparity;
 }
