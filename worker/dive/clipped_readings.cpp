@@ -73,8 +73,7 @@ ClippedReadings clipped_readings(const std::vector<types::ImuSample>& samples,
         add_clipped(values, *max, step, clipped);
     }
     std::ranges::sort(clipped.rows);
-    const auto doubled = std::ranges::unique(clipped.rows);
-    clipped.rows.erase(doubled.begin(), doubled.end());
+    clipped.rows.erase(std::unique(clipped.rows.begin(), clipped.rows.end()), clipped.rows.end());
     return clipped;
 }
 
