@@ -133,18 +133,21 @@ CalibrationRefinement refine_calibration(const types::Track& track,
         refinement.solves.push_back(problem.solve(free, progress, at));
         return !refinement.solves.back().failed();
     };
+    const auto use_imu = [&] {
+        take_imu(problem, result);
+        problem.hold_rate_error(result.applied_alignment().rate_error);
+    };
     const bool align = options.align_imu && inertial.has_gyroscope();
     if (align) {
         if (!solved({})) return refinement;
-        take_imu(problem, result);
-        problem.hold_rate_error(result.applied_alignment().rate_error);
+        use_imu();
     }
     if (!options.refine_lenses || !solved({.lenses = true})) return refinement;
     take_lenses(problem, result);
     refinement.lens_covariance = problem.sigmas().lenses;
     if (result.lenses_applied && align) {
         problem.hold_lenses(joined(result.lenses));
-        if (solved({})) take_imu(problem, result);
+        if (solved({})) use_imu();
     }
     if (!problem.knows_motion()) return refinement;
     if (!refine_readout_time(problem, result, refinement.solves, progress, at)) return refinement;
@@ -154,7 +157,7 @@ CalibrationRefinement refine_calibration(const types::Track& track,
         problem.hold_lenses(LensChanges::Zero());
         if (solved({.readout_time = true})) take_readout_time(problem, result);
     }
-    if (align && solved({})) take_imu(problem, result);
+    if (align && solved({})) use_imu();
     return refinement;
 }
 

@@ -16,7 +16,7 @@ constexpr double kMinScale_px = 0.3;  // the noise of tracking
 constexpr double kTukeyScales = 4.0;  // beyond this many scales a sample has no weight
 constexpr double kFits_px = 2.0;
 constexpr double kFitsAlone_px = 4.0;  // without rates, the motion during a delay is not taken off
-// Of the corners of cameras that match, a quarter and more fit: of 50, ten are expected.
+// Fewer corners tell nothing: a quarter and more fit where the cameras match, ten of 50.
 constexpr int kMinCorners = 50;
 constexpr std::size_t kMinSamples = 100;
 constexpr std::size_t kMinMoments = 4;

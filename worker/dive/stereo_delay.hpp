@@ -13,9 +13,9 @@ namespace divemesh::dive {
 struct StereoDelay {
     double delay_s = 0.0;
     double sigma_s = 0.0;  // one standard deviation, from the scatter between moments
-    // Of the corners: found in the right image, and as predicted. The larger of two shares: by the
-    // motion of the corners, and by the pairs alone, as slow cameras do not show corners again.
-    // nullopt: too few corners to tell.
+    // The share of the corners that are found in the right image, as predicted: the larger of two,
+    // by the motion of the corners, and by the pairs alone, as slow cameras do not show corners
+    // again. nullopt: too few corners to tell.
     std::optional<double> share_fitting;
     double spread_px = 0.0;  // median distance from the prediction, all samples
     double rate_px_s = 0.0;  // median of the absolute rates: what the delay is measured by

@@ -220,7 +220,7 @@ PressureJudgement judge_pressure(const std::vector<types::PressureSample>& press
     const double limit = std::max(kMaxScaleError, kContradicts_sigmas * fit.scale_sigma);
     judgement.step_m = step_m(bins, breaks_ns, fit_unspanned(tilt_rad, fit, changes));
     const bool is_scaled = std::abs(judgement.scale - 1.0) >= limit;
-    // What is wrong by a factor is wrong in its errors by as much.
+    // A sensor that is wrong by a factor may have errors that are larger by the same factor.
     const double times = is_scaled ? std::max(1.0, std::abs(judgement.scale)) : 1.0;
     const bool explained = judgement.error_m < times * kMaxError_m;
     if (explained && !is_scaled) {

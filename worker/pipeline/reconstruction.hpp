@@ -30,7 +30,7 @@ namespace divemesh::pipeline {
 // The state of a running reconstruction: what its stages share in memory. The rest is in the
 // scratch folder.
 struct Reconstruction {
-    // Removes an earlier result from the folder of the artifacts, opens the dive and creates the
+    // Opens the dive, removes an earlier result from the folder of the artifacts and creates the
     // folder. Throws Error{BadData} with the first error among the findings, Error{InvalidArgument}
     // if the scale correction was requested but is not possible.
     explicit Reconstruction(const ReconstructionRequest& made_for);

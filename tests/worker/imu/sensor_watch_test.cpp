@@ -7,6 +7,7 @@
 
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
+#include "tests/synthetic/swaying_rig.hpp"
 #include "worker/imu/usable_samples.hpp"
 
 namespace divemesh::imu {
@@ -14,24 +15,13 @@ namespace {
 
 constexpr int kNumFrames = 400;  // 40 s at 10 Hz
 
-// Returns a rig that sways about all axes.
-Eigen::Isometry3d T_world_body(double t_s) {
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() =
-        (base::rotation_from_vector({0.2 * std::sin(0.9 * t_s) + 0.1 * std::sin(2.1 * t_s), 0, 0}) *
-         base::rotation_from_vector({0, 0.2 * std::sin(0.7 * t_s), 0}) *
-         base::rotation_from_vector({0, 0, 0.1 * t_s + 0.2 * std::sin(1.3 * t_s)}))
-            .toRotationMatrix();
-    pose.translation() << 0.2 * t_s, 0.1 * std::sin(0.5 * t_s), 0.0;
-    return pose;
-}
-
 // A dive whose IMU readings `wrong` changes.
 template <typename Wrong>
 synthetic::SensorRecording dive(const Wrong& wrong) {
     synthetic::SensorRecording recording;
     recording.its_rig.imu_noise = types::ImuNoise{};
-    recording.its_imu = synthetic::imu_along(T_world_body, -1.5, 0.1 * kNumFrames + 1.5, {});
+    recording.its_imu =
+        synthetic::imu_along(synthetic::T_world_swaying, -1.5, 0.1 * kNumFrames + 1.5, {});
     for (types::ImuSample& sample : recording.its_imu) wrong(sample);
     return recording;
 }
@@ -53,10 +43,11 @@ Watched watched(const types::Recording& recording, const SensorPlan& plan = {}, 
         }
         const double from_s = 0.1 * (k - 1);
         const double to_s = 0.1 * k;
-        result.watch.watch({std::llround(1e9 * from_s),
-                            std::llround(1e9 * to_s),
-                            T_world_body(from_s).inverse() * T_world_body(to_s)},
-                           inertial);
+        result.watch.watch(
+            {std::llround(1e9 * from_s),
+             std::llround(1e9 * to_s),
+             synthetic::T_world_swaying(from_s).inverse() * synthetic::T_world_swaying(to_s)},
+            inertial);
     }
     return result;
 }
@@ -188,7 +179,8 @@ TEST(SensorWatchTest, AnAhrsIsJudgedWithoutAnImu) {
     for (int k = 0; k <= 10 * kNumFrames; ++k) {
         const double t_s = 0.01 * k;
         recording.its_ahrs.push_back(
-            {std::llround(1e9 * t_s), Eigen::Quaterniond(T_world_body(t_s).linear())});
+            {std::llround(1e9 * t_s),
+             Eigen::Quaterniond(synthetic::T_world_swaying(t_s).linear())});
     }
     EXPECT_FALSE(watched(recording).watch.restart_at_end());
     for (types::OrientationSample& sample : recording.its_ahrs)

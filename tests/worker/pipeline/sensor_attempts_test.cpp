@@ -6,6 +6,7 @@
 
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/sensor_recording.hpp"
+#include "tests/synthetic/swaying_rig.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
 
@@ -88,25 +89,13 @@ TEST_F(SensorAttemptsTest, AClockThatIsNeverRightEndsWithoutTheImu) {
     EXPECT_FALSE(again(attempts, kNumFrames));
 }
 
-// Returns a rig that sways about all axes.
-Eigen::Isometry3d T_world_body(double t_s) {
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() =
-        (base::rotation_from_vector({0.2 * std::sin(0.9 * t_s) + 0.1 * std::sin(2.1 * t_s), 0, 0}) *
-         base::rotation_from_vector({0, 0.2 * std::sin(0.7 * t_s), 0}) *
-         base::rotation_from_vector({0, 0, 0.1 * t_s + 0.2 * std::sin(1.3 * t_s)}))
-            .toRotationMatrix();
-    pose.translation() << 0.2 * t_s, 0.1 * std::sin(0.5 * t_s), 0.0;
-    return pose;
-}
-
 // Attempts to track a dive of two minutes whose IMU fits, but for four seconds that each attempt
 // finds elsewhere.
 TEST(SensorAttemptsOfAGoodImuTest, OneMoreBadSecondDoesNotCostTheImu) {
     constexpr int kFrames = 1200;  // at 10 Hz
     synthetic::SensorRecording good;
     good.its_rig.imu_noise = types::ImuNoise{};
-    good.its_imu = synthetic::imu_along(T_world_body, -1.5, 0.1 * kFrames + 1.5, {});
+    good.its_imu = synthetic::imu_along(synthetic::T_world_swaying, -1.5, 0.1 * kFrames + 1.5, {});
     const auto again = [&](SensorAttempts& attempts, std::int64_t fails_at_s) {
         synthetic::SensorRecording recording = good;
         for (types::ImuSample& sample : recording.its_imu)
@@ -118,7 +107,8 @@ TEST(SensorAttemptsOfAGoodImuTest, OneMoreBadSecondDoesNotCostTheImu) {
         for (int k = 1; k <= kFrames; ++k)
             watch.watch({base::to_ns(0.1 * (k - 1)),
                          base::to_ns(0.1 * k),
-                         T_world_body(0.1 * (k - 1)).inverse() * T_world_body(0.1 * k)},
+                         synthetic::T_world_swaying(0.1 * (k - 1)).inverse() *
+                             synthetic::T_world_swaying(0.1 * k)},
                         inertial);
         EXPECT_FALSE(watch.restart()) << fails_at_s;
         types::Track track;
