@@ -81,7 +81,9 @@ MetricKind height_range_kind() {
 MetricKind volume_kind() {
     return {.metric = "volume",
             .unit = "m3",
-            .method = "between the highest surface and the area's plane, above minus below",
+            .method =
+                "between the highest surface and the plane at the mean height of the corners, "
+                "above minus below",
             .is_extreme = true,
             .length_power = 3,
             .is_from_plane = true,

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "schemas/error.hpp"
@@ -91,6 +92,22 @@ TEST(MeasureAreas, IntervalsIncludeErrorsThatTheWholeSurfaceShares) {
     EXPECT_NEAR(half_width("planar_area"), 1.96 * 0.02 * 0.09, 1e-6);
     EXPECT_NEAR(half_width("longest_diameter"), 1.96 * 0.01 * 0.3 * std::sqrt(2.0), 1e-6);
     EXPECT_NEAR(half_width("volume"), 1.96 * std::hypot(0.002 * 0.09, 0.03 * 0.09 * 0.225), 1e-6);
+}
+
+TEST(MeasureAreas, AVolumeIsOverThePlaneAtTheMeanHeightOfTheCorners) {
+    const types::Mesh mesh = sheet(0.5, 0.01, [](double, double) { return 0.1; });
+    Area area = quadrat("q", 0.1, 0.4);
+    area.points[0].z() = area.points[2].z() = 0.06;  // the normal stays upright
+    const auto volume_of = [&] {
+        return metric_of(measure_areas(mesh, set_of({area}), {}), "q", "volume")["value"]
+            .get<double>();
+    };
+    EXPECT_NEAR(volume_of(), 0.09 * (0.1 - 0.03), 1e-7);
+    std::rotate(area.points.begin(), area.points.begin() + 1, area.points.end());
+    EXPECT_NEAR(volume_of(), 0.09 * (0.1 - 0.03), 1e-7);  // whichever corner is the first
+    area.normal = Eigen::Vector3d::UnitZ();
+    area.points[0].z() = 0.08;
+    EXPECT_NEAR(volume_of(), 0.09 * (0.1 - 0.05), 1e-7);
 }
 
 TEST(MeasureAreas, TheBorderOfWhatWasSeenIsInTheIntervalOfItsArea) {
