@@ -130,7 +130,7 @@ void add_terrain(Kinds& kinds, double spacing_m) {
         kind.resolution_m = spacing_m;
         kind.loses_detail = true;
         kind.measure = [=](const Ground& ground) -> std::optional<double> {
-            const auto measured = terrain(ground.gaps_filled_at(spacing_m));
+            const auto measured = terrain(ground.at(spacing_m));
             if (!measured) return std::nullopt;
             return (*measured).*field * factor;
         };

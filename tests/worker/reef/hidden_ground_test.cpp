@@ -152,6 +152,31 @@ TEST(HiddenGround, FlatGroundThatWasNotSwumOverChangesNothing) {
     EXPECT_NEAR(found - 1.0, exact - 1.0, 0.05 * (exact - 1.0));
 }
 
+// Returns a sheet of 1 m with square cells, without those of columns and rows [first, end).
+types::Mesh holed_sheet(int num_cells, int first, int end, const HeightOf& height) {
+    types::Mesh mesh = sheet(1.0, 1.0 / num_cells, height);
+    const auto is_hole = [&](int i) { return first <= i && i < end; };
+    Triangles seen;
+    for (int i = 0; i < std::ssize(mesh.triangles); ++i) {
+        const int cell = i / 2;
+        if (!is_hole(cell % num_cells) || !is_hole(cell / num_cells))
+            seen.push_back(mesh.triangles[i]);
+    }
+    mesh.triangles = seen;
+    return mesh;
+}
+
+TEST(HiddenGround, ShapeIsThatOfTheGroundSeen) {
+    const types::Mesh mesh = holed_sheet(20, 6, 12, [](double x, double y) {
+        return -2.0 * (x - 0.5) * (x - 0.5) - 1.0 * (y - 0.5) * (y - 0.5);
+    });
+    MeasureOptions options;
+    options.spacings_m = {0.05};
+    const json found = measure_areas(mesh, {AreaFrame::World, {quadrat("q", 0.0, 1.0)}}, options);
+    EXPECT_NEAR(metric_of(found, "q", "curvature")["value"].get<double>(), 6.0, 1e-3);
+    EXPECT_NEAR(metric_of(found, "q", "curvature_deviation")["value"].get<double>(), 0.0, 1e-2);
+}
+
 TEST(HiddenGround, AChainRunsStraightOverIt) {
     types::Mesh mesh = blocks(true);
     Area line;
