@@ -89,7 +89,7 @@ double limit_to_noise_level(OutlineSurvey& survey, double max_share) {
     noise.add(patch, survey.shape);
     const double share = std::min(max_share, noise.share());
     for (double& sigma : patch.sigma_local_m) sigma *= share;
-    survey.sampling_resolution.sigma_local_m = typical_sigma_m(patch.sigma_local_m);
+    survey.sampling_resolution.sigma_local_m = sigma_of_most_m(patch, patch.sigma_local_m);
     return share;
 }
 

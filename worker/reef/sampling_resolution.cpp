@@ -13,8 +13,8 @@ SamplingResolution sampling_resolution_of(const SurfacePatch& patch,
                                           const std::vector<Eigen::Vector3d>& cameras_plane,
                                           const MeasureOptions& options) {
     SamplingResolution sampling_resolution;
-    sampling_resolution.sigma_m = typical_sigma_m(patch.sigma_m);
-    sampling_resolution.sigma_local_m = typical_sigma_m(patch.sigma_local_m);
+    sampling_resolution.sigma_m = sigma_of_most_m(patch, patch.sigma_m);
+    sampling_resolution.sigma_local_m = sigma_of_most_m(patch, patch.sigma_local_m);
     double detail = options.min_detail_m;
     double window = 2.0 * median_edge_m(patch);
     const auto range = median_range_m(patch, cameras_plane);

@@ -64,6 +64,23 @@ TEST(MeasureAreas, BelowThreeSigmaAndBelowTheDetailMetricsAreRefusedWithTheReaso
     EXPECT_NEAR(metric_of(measured, "q", "vrm")["resolution_m"].get<double>(), 0.05, 1e-12);
 }
 
+TEST(MeasureAreas, AFewVagueVerticesDoNotCoarsenTheRest) {
+    const auto measured_if_vague_beyond = [](float x_m) {
+        types::Mesh mesh = sheet(0.5, 0.01, hills);
+        for (const Eigen::Vector3f& vertex : mesh.vertices)
+            mesh.sigma_m.push_back(vertex.x() > x_m ? 0.2F : 0.001F);
+        mesh.sigma_local_m.assign(mesh.vertices.size(), 1e-6F);
+        return measure_areas(mesh, set_of({quadrat("q", 0.1, 0.4)}), few_replicates());
+    };
+    const json a_tenth = measured_if_vague_beyond(0.375F);
+    EXPECT_NEAR(a_tenth["areas"][1]["sigma_m"].get<double>(), 0.001, 1e-6);
+    EXPECT_TRUE(metric_of(a_tenth, "q", "rugosity", 0.01).contains("value"));
+    const json a_third = measured_if_vague_beyond(0.305F);
+    EXPECT_NEAR(a_third["areas"][1]["sigma_m"].get<double>(), 0.2, 1e-6);
+    EXPECT_EQ(metric_of(a_third, "q", "rugosity", 0.10).value("refused", ""),
+              "below 3 sigma of the surface, 600.0 mm");
+}
+
 TEST(MeasureAreas, NoiseIsTakenBackByItsLocalPartAlone) {
     types::Mesh mesh = sheet(0.4, 0.01, hills);
     const double exact = metric_of(measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), {}),
