@@ -158,6 +158,18 @@ std::vector<KeyframePose> ReconstructionFolder::keyframes() const {
     });
 }
 
+double ReconstructionFolder::matched_focal_px() const {
+    const auto file = folder_ / "keyframes.json";
+    if (std::filesystem::exists(file)) {
+        const json document = read_json(file);
+        return of_file(file, [&] { return document.at("focal_px").get<double>(); });
+    }
+    return of_file(folder_ / "metrics.json", [&] {
+        return metrics_.value(json::json_pointer("/calibration/focal_px/0"), 0.0) /
+               metrics_.value(json::json_pointer("/frames/reduction"), 1);
+    });
+}
+
 std::vector<types::TrackingSegment> ReconstructionFolder::segments() const {
     return of_file(folder_ / "metrics.json", [&] {
         std::vector<types::TrackingSegment> segments;

@@ -46,7 +46,10 @@ public:
     types::CovarianceTrack covariances() const;  // of trajectory(); empty: unknown
     types::Mesh mesh() const;  // mesh.ply, with normals, sigma and observation counts
     std::vector<KeyframePose> keyframes() const;
-    nlohmann::json mosaic() const;  // mosaic.json
+    // Returns the focal length of the rectified images, px, in which the surface was matched.
+    // Without keyframes.json it returns that of the left camera at the size the images were read.
+    double matched_focal_px() const;  // 0: unknown
+    nlohmann::json mosaic() const;    // mosaic.json
     // Returns the frames and the intervals of the segments in the order of their numbers; empty for
     // files of older versions.
     std::vector<types::TrackingSegment> segments() const;

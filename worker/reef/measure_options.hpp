@@ -18,7 +18,7 @@ struct MeasureOptions {
     // pixels: detail smaller than that at the range of the ground is not in the mesh, and the error
     // within one window is shared. Without cameras the mesh counts as fine as its triangles.
     std::vector<Eigen::Vector3d> camera_positions_world;
-    double focal_px = 0.0;
+    double focal_px = 0.0;      // of the images in which the surface was matched
     double support_px = 15.0;   // census signature of 9 px, refined over windows of 7 px
     double window_px = 7.0;     // over which noise is shared
     double min_detail_m = 0.0;  // two voxels

@@ -25,7 +25,7 @@ MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction) {
     MeasureOptions options;
     for (const types::StampedPose& pose : reconstruction.trajectory())
         options.camera_positions_world.push_back(pose.T_world_imu.translation());
-    options.focal_px = number_at(reconstruction.metrics(), "/calibration/focal_px/0");
+    options.focal_px = reconstruction.matched_focal_px();
     options.min_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
     options.sigma_shared_m =
         number_at(reconstruction.metrics(), "/expected_accuracy/surface/sigma_shared_m");

@@ -10,8 +10,8 @@
 
 namespace divemesh::reef {
 
-// Returns options with the reconstruction's own resolution: positions of the body, focal length,
-// voxels.
+// Returns options with the reconstruction's own resolution: positions of the body, focal length of
+// the images in which the surface was matched, voxels.
 MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction);
 
 // Returns areas in the world frame. Areas in the ground truth's frame are transformed by the SE(3)

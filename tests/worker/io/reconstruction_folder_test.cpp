@@ -45,6 +45,17 @@ TEST_F(ReconstructionFolderTest, GivesBackWhatWasWritten) {
     EXPECT_EQ(reconstruction.keyframes()[0].T_world_cam.translation(), Eigen::Vector3d(1, 2, 3));
 }
 
+TEST_F(ReconstructionFolderTest, TheSurfaceWasMatchedAtTheFocalLengthOfTheRectifiedImages) {
+    write("metrics.json",
+          R"({"calibration": {"focal_px": [900, 901]}, "frames": {"reduction": 2}})");
+    write("keyframes.json", R"({"focal_px": 310.5, "keyframes": []})");
+    EXPECT_EQ(open().matched_focal_px(), 310.5);
+    std::filesystem::remove(file("keyframes.json"));
+    EXPECT_EQ(open().matched_focal_px(), 450.0);
+    write("metrics.json", "{}");
+    EXPECT_EQ(open().matched_focal_px(), 0.0);
+}
+
 TEST_F(ReconstructionFolderTest, NamesWhatIsMissing) {
     const Error error = error_of([&] { open().trajectory(); });
 
