@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "worker/types/path_uncertainty.hpp"
+
 namespace divemesh::reef {
 
 // Options of measuring areas. Lengths are in m.
@@ -23,9 +25,9 @@ struct MeasureOptions {
     double window_px = 7.0;     // over which noise is shared
     double min_detail_m = 0.0;  // two voxels
 
-    double sigma_m = 0.0;                // of the vertices if the mesh has none
-    double sigma_shared_m = 0.0;         // by which poses shift a whole area along its normal
-    double scale_sigma = 0.001;          // of all lengths, for a careful calibration
+    double sigma_m = 0.0;         // of the vertices if the mesh has none
+    double sigma_shared_m = 0.0;  // by which poses shift a whole area along its normal
+    double scale_sigma = types::kCalibrationSigma;  // of all lengths, relative
     double noise_share = 1.0;            // max share of the stated local sigma that is present
     double sigma_relative_error = 0.25;  // relative error of sigma itself, one standard deviation
     double correlation_length_m = 0.0;   // of the noise; 0: of window_px, or two triangle sides

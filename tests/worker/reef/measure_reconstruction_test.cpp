@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 
 #include "tests/temporary_folder.hpp"
@@ -52,6 +53,33 @@ TEST_F(MeasureReconstructionTest, DetailIsThatOfTheImagesInWhichTheSurfaceWasMat
     EXPECT_NEAR(measured["areas"][1]["detail_m"].get<double>(), 15.0 * range_m / 300.0, 1e-3);
     EXPECT_TRUE(metric_of(measured, "q", "rugosity", 0.10).contains("refused"));
     EXPECT_TRUE(metric_of(measured, "q", "rugosity", 0.25).contains("value"));
+}
+
+TEST_F(MeasureReconstructionTest, ScaleIsAsCertainAsTheReconstructionStates) {
+    const auto half_width = [&](const char* metric) {
+        const json entry = metric_of(measure(), "q", metric);
+        return 0.5 * (entry["high"].get<double>() - entry["low"].get<double>());
+    };
+    write("metrics.json", R"({"calibration": {"scale_sigma": 0.02}})");
+    EXPECT_NEAR(half_width("planar_area"), 1.96 * 2.0 * 0.02 * 0.36, 1e-5);
+    EXPECT_NEAR(half_width("longest_diameter"), 1.96 * 0.02 * 0.6 * std::sqrt(2.0), 1e-5);
+    write("metrics.json", "{}");
+    EXPECT_NEAR(half_width("planar_area"), 1.96 * 2.0 * types::kCalibrationSigma * 0.36, 1e-5);
+}
+
+TEST_F(MeasureReconstructionTest, TheVerdictAndWhatConcernsTheMetricsComeWithThem) {
+    EXPECT_EQ(measure()["reconstruction"], json({{"findings", json::array()}}));
+    write("metrics.json",
+          R"({"verdict": "usable_with_restrictions", "restrictions": ["path", "scale"],
+        "findings": [
+        {"severity": "warning", "code": "tracking_lost", "where": "", "message": "m", "remedy": "r"},
+        {"severity": "warning", "code": "scale_untested", "where": "", "message": "m", "remedy": "r"},
+        {"severity": "info", "code": "scale_corrected", "where": "", "message": "m", "remedy": "r"}]})");
+    const json judgement = measure()["reconstruction"];
+    EXPECT_EQ(judgement["verdict"], "usable_with_restrictions");
+    EXPECT_EQ(judgement["restrictions"], json({"path", "scale"}));
+    ASSERT_EQ(judgement["findings"].size(), 1U);
+    EXPECT_EQ(judgement["findings"][0]["code"], "scale_untested");
 }
 
 }  // namespace
