@@ -20,10 +20,11 @@ struct MeasureOptions {
     // pixels: detail smaller than that at the range of the ground is not in the mesh, and the error
     // within one window is shared. Without cameras the mesh counts as fine as its triangles.
     std::vector<Eigen::Vector3d> camera_positions_world;
-    double focal_px = 0.0;      // of the images in which the surface was matched
-    double support_px = 15.0;   // census signature of 9 px, refined over windows of 7 px
-    double window_px = 7.0;     // over which noise is shared
-    double min_detail_m = 0.0;  // two voxels
+    double focal_px = 0.0;       // of the images in which the surface was matched
+    double support_px = 15.0;    // census signature of 9 px, refined over windows of 7 px
+    double window_px = 7.0;      // over which noise is shared
+    double min_detail_m = 0.0;   // two voxels
+    bool is_simplified = false;  // the mesh: it has no detail finer than two triangle sides
 
     double sigma_m = 0.0;         // of the vertices if the mesh has none
     double sigma_shared_m = 0.0;  // by which poses shift a whole area along its normal

@@ -44,6 +44,7 @@ MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction) {
         options.camera_positions_world.push_back(pose.T_world_imu.translation());
     options.focal_px = reconstruction.matched_focal_px();
     options.min_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
+    options.is_simplified = reconstruction.is_simplified();
     options.sigma_shared_m =
         number_at(reconstruction.metrics(), "/expected_accuracy/surface/sigma_shared_m");
     options.scale_sigma = reconstruction.scale_sigma();

@@ -34,6 +34,7 @@ protected:
     void give_ground(double cell_m) const {
         types::Mesh mesh = sheet(1.0, cell_m, [](double, double) { return 0.0; });
         mesh.sigma_m.assign(mesh.vertices.size(), 0.002F);
+        mesh.sigma_local_m = mesh.sigma_m;
         io::write_ply(folder_ / "mesh.ply", mesh);
     }
     json measure() const {
@@ -53,6 +54,19 @@ TEST_F(MeasureReconstructionTest, DetailIsThatOfTheImagesInWhichTheSurfaceWasMat
     EXPECT_NEAR(measured["areas"][1]["detail_m"].get<double>(), 15.0 * range_m / 300.0, 1e-3);
     EXPECT_TRUE(metric_of(measured, "q", "rugosity", 0.10).contains("refused"));
     EXPECT_TRUE(metric_of(measured, "q", "rugosity", 0.25).contains("value"));
+}
+
+TEST_F(MeasureReconstructionTest, ASimplifiedMeshIsAsCoarseAsItsTrianglesAndAsVagueAsItsError) {
+    give_ground(0.05);
+    write("keyframes.json", R"({"focal_px": 3000, "keyframes": []})");
+    EXPECT_TRUE(metric_of(measure(), "q", "rugosity", 0.02).contains("value"));
+    write("metrics.json", R"({"mesh": {"voxel_m": 0.004, "simplification":
+        {"num_triangles_before": 9, "rms_m": 0.0015, "max_m": 0.01}}})");
+    const json measured = measure();
+    EXPECT_NEAR(measured["areas"][1]["sigma_m"].get<double>(), std::hypot(0.002, 0.0015), 1e-6);
+    EXPECT_NEAR(measured["areas"][1]["detail_m"].get<double>(), 2.0 * 0.05, 1e-5);
+    EXPECT_EQ(metric_of(measured, "q", "rugosity", 0.05).value("refused", ""),
+              "finer than the detail of the surface, 100.0 mm");
 }
 
 TEST_F(MeasureReconstructionTest, ScaleIsAsCertainAsTheReconstructionStates) {
