@@ -56,6 +56,7 @@ Ground OutlineSurvey::ground(const std::vector<Eigen::Vector3d>& vertices,
     ground.R_world_plane = plane.T_plane_world.linear().transpose();
     // Seen ground beside the outline helps to fill gaps within it.
     if (has_hidden) ground.gaps_filled = of_area(*this, bridge(heights));
+    ground.has_hidden = has_hidden;
     const double sharp_m2 = num_blurs > 0 ? grid_area(ground.grid).surface_m2 : 0.0;
     for (int i = 0; i < num_blurs; ++i) {
         ground.grid = blurred(ground.grid, *sampling_resolution.detail_m);
