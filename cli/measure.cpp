@@ -7,7 +7,9 @@
 
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
+#include "cli/findings_text.hpp"
 #include "cli/text.hpp"
+#include "schemas/json.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
 #include "worker/report/drawing_page.hpp"
 
@@ -72,6 +74,19 @@ std::string report_text(const json& result) {
     return text;
 }
 
+// Returns the findings on the reconstruction that concern its measurements, and its verdict as the
+// last line.
+std::string judgement_text(const json& reconstruction) {
+    std::string text;
+    for (const json& finding : reconstruction["findings"])
+        text += finding_text(finding.get<Finding>());
+    if (!reconstruction.contains("verdict")) return text;
+    return text + "verdict on the reconstruction: " +
+           verdict_words(reconstruction["verdict"].get<std::string>(),
+                         reconstruction["restrictions"]) +
+           "\n";
+}
+
 struct Options {
     reef::MeasureRequest request;
     std::filesystem::path csv;
@@ -89,7 +104,8 @@ int measure(const Options& options, const Context& context) {
     if (!options.draw.empty()) return write_drawing_page(options);
     const json result = reef::measure_reconstruction(options.request);
     if (!options.csv.empty()) reef::write_metrics_csv(result["figures"], options.csv);
-    std::cout << (context.json ? result.dump(2) + "\n" : report_text(result));
+    std::cout << (context.json ? result.dump(2) + "\n"
+                               : report_text(result) + judgement_text(result["reconstruction"]));
     return kExitDone;
 }
 

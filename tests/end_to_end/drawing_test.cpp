@@ -71,6 +71,8 @@ TEST_F(DrawingTest, WhatIsDrawnOnThePageLiesWhereItWasDrawnAndIsMeasured) {
         {"measure", model, "--areas", (service / "areas.json").string(), "--json"}, 120s);
     ASSERT_EQ(measured.exit_code, 0) << measured.err;
     EXPECT_NE(measured.out.find("Porites"), std::string::npos);
+    EXPECT_EQ(json::parse(measured.out).at("reconstruction").at("verdict"),
+              read(fs::path(model) / "metrics.json").at("verdict"));
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "worker/io/reconstruction_folder.hpp"
 
+#include <cmath>
 #include <fstream>
 #include <string>
 #include <string_view>
@@ -141,7 +142,19 @@ types::CovarianceTrack ReconstructionFolder::covariances() const {
     return std::filesystem::exists(file) ? read_covariances(file) : types::CovarianceTrack();
 }
 
-types::Mesh ReconstructionFolder::mesh() const { return read_ply(folder_ / "mesh.ply"); }
+types::Mesh ReconstructionFolder::mesh() const {
+    types::Mesh mesh = read_ply(folder_ / "mesh.ply");
+    const double simplified_m = of_file(folder_ / "metrics.json", [&] {
+        return metrics_.value(json::json_pointer("/mesh/simplification/rms_m"), 0.0);
+    });
+    for (float& sigma_m : mesh.sigma_m)
+        if (sigma_m > 0.0F) sigma_m = std::hypot(sigma_m, static_cast<float>(simplified_m));
+    return mesh;
+}
+
+bool ReconstructionFolder::is_simplified() const {
+    return metrics_.contains(json::json_pointer("/mesh/simplification"));
+}
 
 json ReconstructionFolder::mosaic() const { return read_json(folder_ / "mosaic.json"); }
 
@@ -155,6 +168,18 @@ std::vector<KeyframePose> ReconstructionFolder::keyframes() const {
                                  entry.at("timestamp_ns").get<std::int64_t>(),
                                  pose_from_json(entry)});
         return keyframes;
+    });
+}
+
+double ReconstructionFolder::matched_focal_px() const {
+    const auto file = folder_ / "keyframes.json";
+    if (std::filesystem::exists(file)) {
+        const json document = read_json(file);
+        return of_file(file, [&] { return document.at("focal_px").get<double>(); });
+    }
+    return of_file(folder_ / "metrics.json", [&] {
+        return metrics_.value(json::json_pointer("/calibration/focal_px/0"), 0.0) /
+               metrics_.value(json::json_pointer("/frames/reduction"), 1);
     });
 }
 

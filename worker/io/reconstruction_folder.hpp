@@ -44,9 +44,15 @@ public:
     types::Trajectory trajectory() const;           // T_world_imu, final
     types::Trajectory causal_trajectory() const;
     types::CovarianceTrack covariances() const;  // of trajectory(); empty: unknown
-    types::Mesh mesh() const;  // mesh.ply, with normals, sigma and observation counts
+    // Returns mesh.ply, with normals, sigma and observation counts. Sigma includes the error of its
+    // simplification, sigma_local_m does not: it is noise alone.
+    types::Mesh mesh() const;
+    bool is_simplified() const;  // mesh.ply has fewer triangles than were reconstructed
     std::vector<KeyframePose> keyframes() const;
-    nlohmann::json mosaic() const;  // mosaic.json
+    // Returns the focal length of the rectified images, px, in which the surface was matched.
+    // Without keyframes.json it returns that of the left camera at the size the images were read.
+    double matched_focal_px() const;  // 0: unknown
+    nlohmann::json mosaic() const;    // mosaic.json
     // Returns the frames and the intervals of the segments in the order of their numbers; empty for
     // files of older versions.
     std::vector<types::TrackingSegment> segments() const;

@@ -23,6 +23,38 @@ std::optional<double> with_hidden(const std::optional<double>& gaps_filled,
     return std::max(gaps_filled, seen);
 }
 
+// The ground of an area that was not seen.
+struct HiddenGround {
+    double planar_m2 = 0.0;
+    double surface_m2 = 0.0;  // with it the highest surface is as rough as its rugosity says
+    double border_m2 = 0.0;   // between samples: may be seen or hidden
+};
+
+// Returns nullopt if too little ground was seen to tell.
+std::optional<HiddenGround> hidden_ground(const Ground& ground) {
+    if (!ground.has_hidden) return HiddenGround{};
+    const GridArea seen = grid_area(ground.grid);
+    if (seen.planar_m2 <= 0.0) return std::nullopt;
+    const GridArea whole = grid_area(ground.gaps_filled);
+    const double seen_rugosity = seen.surface_m2 / seen.planar_m2;
+    const double whole_rugosity = std::max(seen_rugosity, whole.surface_m2 / whole.planar_m2);
+    const double seen_m2 = planar_area_m2(ground.grid);
+    const double whole_m2 = planar_area_m2(ground.gaps_filled);
+    HiddenGround hidden;
+    hidden.planar_m2 = whole_m2 - seen_m2;
+    hidden.surface_m2 = whole_rugosity * whole_m2 - seen_rugosity * seen_m2;
+    hidden.border_m2 = seen_rugosity * (whole.planar_m2 - seen.planar_m2 - hidden.planar_m2);
+    return hidden;
+}
+
+// Returns one standard deviation. Hidden ground may as well be flat, or twice as rough: of a
+// quantity that is never negative, and of which only the mean is known, the standard deviation is
+// that mean (the exponential distribution).
+double hidden_area_deviation_m2(const Ground& ground) {
+    const HiddenGround hidden = hidden_ground(ground).value_or(HiddenGround{});
+    return std::hypot(hidden.surface_m2 - hidden.planar_m2, hidden.border_m2);
+}
+
 MetricKind surface_area_kind(const SamplingResolution& sampling_resolution) {
     return {.metric = "surface_area",
             .unit = "m2",
@@ -31,10 +63,14 @@ MetricKind surface_area_kind(const SamplingResolution& sampling_resolution) {
             .lowest = 0.0,
             .loses_detail = true,
             .length_power = 2,
-            .measure = [](const Ground& ground) {  // blurred as the highest surface is
-                return std::optional(surface_area_m2(ground.patch, ground.vertices) -
-                                     ground.lost_to_blur_m2);
-            }};
+            .measure = [](const Ground& ground) -> std::optional<double> {
+                const auto hidden = hidden_ground(ground);
+                if (!hidden) return std::nullopt;
+                // Blurred as the highest surface is.
+                return surface_area_m2(ground.patch, ground.vertices) - ground.lost_to_blur_m2 +
+                       hidden->surface_m2;
+            },
+            .hidden_deviation = hidden_area_deviation_m2};
 }
 
 MetricKind rugosity_kind(double spacing_m) {
@@ -81,7 +117,9 @@ MetricKind height_range_kind() {
 MetricKind volume_kind() {
     return {.metric = "volume",
             .unit = "m3",
-            .method = "between the highest surface and the area's plane, above minus below",
+            .method =
+                "between the highest surface and the plane at the mean height of the corners, "
+                "above minus below",
             .is_extreme = true,
             .length_power = 3,
             .is_from_plane = true,
@@ -128,7 +166,7 @@ void add_terrain(Kinds& kinds, double spacing_m) {
         kind.resolution_m = spacing_m;
         kind.loses_detail = true;
         kind.measure = [=](const Ground& ground) -> std::optional<double> {
-            const auto measured = terrain(ground.gaps_filled_at(spacing_m));
+            const auto measured = terrain(ground.at(spacing_m));
             if (!measured) return std::nullopt;
             return (*measured).*field * factor;
         };

@@ -20,6 +20,7 @@ struct Ground {
     HeightGrid grid;                               // the finest, seen ground only
     HeightGrid gaps_filled;                        // with unseen ground in between filled in
     double lost_to_blur_m2 = 0.0;                  // of the area of `grid`
+    bool has_hidden = false;                       // some of the area is unseen
     Eigen::Matrix3d R_world_plane = Eigen::Matrix3d::Identity();
 
     HeightGrid at(double spacing_m) const;              // `spacing_m`: a multiple of the grid's
@@ -42,6 +43,9 @@ struct MetricKind {
     bool is_from_plane = false;        // a shift of the whole surface along the normal changes it
     bool needs_height_spread = false;  // of more than the error of the surface
     std::function<std::optional<double>(const Ground&)> measure;
+    // One standard deviation by how rough unseen ground is, beyond that by how its gaps are filled;
+    // empty: none.
+    std::function<double(const Ground&)> hidden_deviation;
 };
 
 // Returns the metrics of an area with an outline, in the order in which they are reported.

@@ -40,8 +40,14 @@ AreaPlane plane_of(const Area& area) {
                         "check the corners");
     AreaPlane plane;
     plane.T_plane_world = T_plane_world(area.points[0], area.points[1] - area.points[0], normal);
-    for (const Eigen::Vector3d& point : area.points)
-        plane.outline.emplace_back((plane.T_plane_world * point).head<2>());
+    double sum_of_heights_m = 0.0;
+    for (const Eigen::Vector3d& point : area.points) {
+        const Eigen::Vector3d p_plane = plane.T_plane_world * point;
+        plane.outline.emplace_back(p_plane.head<2>());
+        sum_of_heights_m += p_plane.z();
+    }
+    plane.T_plane_world.translation().z() -=
+        sum_of_heights_m / static_cast<double>(area.points.size());
     if (is_self_crossing(plane.outline))
         throw Error(ErrorCode::BadData,
                     "area '" + area.name +

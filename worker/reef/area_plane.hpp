@@ -7,8 +7,9 @@
 
 namespace divemesh::reef {
 
-// The plane of an area. Its origin is the first corner, x points to the second corner along the
-// plane, z is the area's normal. A grid of samples begins at the origin.
+// The plane of an area. It lies at the mean height of the corners along the normal; its origin is
+// below or above the first corner, x points to the second corner along the plane, z is the area's
+// normal. A grid of samples begins at the origin.
 struct AreaPlane {
     Eigen::Isometry3d T_plane_world = Eigen::Isometry3d::Identity();
     Polygon outline;  // in the plane

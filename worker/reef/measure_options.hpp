@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "worker/types/path_uncertainty.hpp"
+
 namespace divemesh::reef {
 
 // Options of measuring areas. Lengths are in m.
@@ -18,14 +20,15 @@ struct MeasureOptions {
     // pixels: detail smaller than that at the range of the ground is not in the mesh, and the error
     // within one window is shared. Without cameras the mesh counts as fine as its triangles.
     std::vector<Eigen::Vector3d> camera_positions_world;
-    double focal_px = 0.0;
-    double support_px = 15.0;   // census signature of 9 px, refined over windows of 7 px
-    double window_px = 7.0;     // over which noise is shared
-    double min_detail_m = 0.0;  // two voxels
+    double focal_px = 0.0;       // of the images in which the surface was matched
+    double support_px = 15.0;    // census signature of 9 px, refined over windows of 7 px
+    double window_px = 7.0;      // over which noise is shared
+    double min_detail_m = 0.0;   // two voxels
+    bool is_simplified = false;  // the mesh: it has no detail finer than two triangle sides
 
-    double sigma_m = 0.0;                // of the vertices if the mesh has none
-    double sigma_shared_m = 0.0;         // by which poses shift a whole area along its normal
-    double scale_sigma = 0.001;          // of all lengths, for a careful calibration
+    double sigma_m = 0.0;         // of the vertices if the mesh has none
+    double sigma_shared_m = 0.0;  // by which poses shift a whole area along its normal
+    double scale_sigma = types::kCalibrationSigma;  // of all lengths, relative
     double noise_share = 1.0;            // max share of the stated local sigma that is present
     double sigma_relative_error = 0.25;  // relative error of sigma itself, one standard deviation
     double correlation_length_m = 0.0;   // of the noise; 0: of window_px, or two triangle sides

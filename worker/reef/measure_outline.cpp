@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "worker/base/text.hpp"
 #include "worker/reef/fractal_dimension.hpp"
 #include "worker/reef/metric_json.hpp"
 #include "worker/reef/outline_survey.hpp"
@@ -79,6 +80,14 @@ stats::SharedError shared_error(const MetricKind& kind,
             kind.is_from_plane ? options.sigma_shared_m * result.coverage * result.planar_m2 : 0.0};
 }
 
+// Returns the kind with the share of the area that was seen, if the rest counts too.
+MetricKind with_share_seen(MetricKind kind, const OutlineSurvey& survey, double coverage) {
+    if (survey.has_hidden && kind.hidden_deviation)
+        kind.method += "; " + base::fixed(100.0 * coverage, 1) +
+                       " % of the area was seen, the rest counts as at least as rough";
+    return kind;
+}
+
 // Adds the metrics; those that cannot be measured with the reason, in their place.
 void add_metrics(const std::vector<MetricKind>& kinds,
                  const AreaTask& task,
@@ -112,7 +121,8 @@ void add_metrics(const std::vector<MetricKind>& kinds,
                 task, kinds[k], "the whole interval is outside of the possible values"));
             continue;
         }
-        result.metrics.push_back(is_known ? metric_json(task, kinds[k], estimated)
+        const MetricKind kind = with_share_seen(kinds[k], survey, result.coverage);
+        result.metrics.push_back(is_known ? metric_json(task, kind, estimated)
                                           : refused_json(task,
                                                          kinds[k],
                                                          kinds[k].is_direction

@@ -3,6 +3,8 @@
 #include <array>
 
 #include "schemas/error.hpp"
+#include "schemas/json.hpp"
+#include "schemas/verdict.hpp"
 #include "worker/base/atomic_file.hpp"
 #include "worker/evaluation/trajectory_error.hpp"
 #include "worker/io/csv_cell.hpp"
@@ -19,16 +21,33 @@ double number_at(const json& metrics, const char* pointer) {
                                                                  : 0.0;
 }
 
+// Returns the verdict, what is restricted, and the findings that restrict more than the path. A
+// file of an older version states no verdict.
+json judgement_on(const io::ReconstructionFolder& reconstruction) {
+    json judgement = {{"findings", json::array()}};
+    for (const Finding& finding : reconstruction.findings()) {
+        const std::string_view restricts = restriction_of(finding);
+        if (!restricts.empty() && restricts != "path") judgement["findings"].push_back(finding);
+    }
+    const auto verdict = reconstruction.verdict();
+    if (!verdict) return judgement;
+    judgement["verdict"] = to_string(*verdict);
+    judgement["restrictions"] = reconstruction.restrictions();
+    return judgement;
+}
+
 }  // namespace
 
 MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction) {
     MeasureOptions options;
     for (const types::StampedPose& pose : reconstruction.trajectory())
         options.camera_positions_world.push_back(pose.T_world_imu.translation());
-    options.focal_px = number_at(reconstruction.metrics(), "/calibration/focal_px/0");
+    options.focal_px = reconstruction.matched_focal_px();
     options.min_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
+    options.is_simplified = reconstruction.is_simplified();
     options.sigma_shared_m =
         number_at(reconstruction.metrics(), "/expected_accuracy/surface/sigma_shared_m");
+    options.scale_sigma = reconstruction.scale_sigma();
     return options;
 }
 
@@ -51,7 +70,9 @@ json measure_reconstruction(const MeasureRequest& request) {
     areas = areas_in_world(areas, reconstruction.trajectory(), truth);
     MeasureOptions options = measure_options(reconstruction);
     options.num_threads = request.num_threads;
-    return measure_areas(reconstruction.mesh(), areas, options);
+    json measured = measure_areas(reconstruction.mesh(), areas, options);
+    measured["reconstruction"] = judgement_on(reconstruction);
+    return measured;
 }
 
 std::string metrics_csv(const json& metrics) {

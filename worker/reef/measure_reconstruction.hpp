@@ -10,8 +10,8 @@
 
 namespace divemesh::reef {
 
-// Returns options with the reconstruction's own resolution: positions of the body, focal length,
-// voxels.
+// Returns options with the reconstruction's own resolution (positions of the body, focal length of
+// the images in which the surface was matched, voxels) and shared errors (poses, scale).
 MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction);
 
 // Returns areas in the world frame. Areas in the ground truth's frame are transformed by the SE(3)
@@ -28,7 +28,9 @@ struct MeasureRequest {
     int num_threads = 0;
 };
 
-// Runs `divemesh measure`; returns what measure_areas() returns.
+// Runs `divemesh measure`; returns what measure_areas() returns, with "reconstruction": {verdict?,
+// restrictions?, findings} as metrics.json states them, of the findings those that restrict scale,
+// surface, accuracy or all.
 nlohmann::json measure_reconstruction(const MeasureRequest& request);
 
 // Returns a header and a row per metric: figure, area, label, unit, resolution_m, value, low, high,

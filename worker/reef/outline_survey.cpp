@@ -56,6 +56,7 @@ Ground OutlineSurvey::ground(const std::vector<Eigen::Vector3d>& vertices,
     ground.R_world_plane = plane.T_plane_world.linear().transpose();
     // Seen ground beside the outline helps to fill gaps within it.
     if (has_hidden) ground.gaps_filled = of_area(*this, bridge(heights));
+    ground.has_hidden = has_hidden;
     const double sharp_m2 = num_blurs > 0 ? grid_area(ground.grid).surface_m2 : 0.0;
     for (int i = 0; i < num_blurs; ++i) {
         ground.grid = blurred(ground.grid, *sampling_resolution.detail_m);
@@ -89,7 +90,7 @@ double limit_to_noise_level(OutlineSurvey& survey, double max_share) {
     noise.add(patch, survey.shape);
     const double share = std::min(max_share, noise.share());
     for (double& sigma : patch.sigma_local_m) sigma *= share;
-    survey.sampling_resolution.sigma_local_m = typical_sigma_m(patch.sigma_local_m);
+    survey.sampling_resolution.sigma_local_m = sigma_of_most_m(patch, patch.sigma_local_m);
     return share;
 }
 

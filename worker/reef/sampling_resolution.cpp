@@ -13,10 +13,12 @@ SamplingResolution sampling_resolution_of(const SurfacePatch& patch,
                                           const std::vector<Eigen::Vector3d>& cameras_plane,
                                           const MeasureOptions& options) {
     SamplingResolution sampling_resolution;
-    sampling_resolution.sigma_m = typical_sigma_m(patch.sigma_m);
-    sampling_resolution.sigma_local_m = typical_sigma_m(patch.sigma_local_m);
-    double detail = options.min_detail_m;
-    double window = 2.0 * median_edge_m(patch);
+    sampling_resolution.sigma_m = sigma_of_most_m(patch, patch.sigma_m);
+    sampling_resolution.sigma_local_m = sigma_of_most_m(patch, patch.sigma_local_m);
+    const double two_sides_m = 2.0 * median_edge_m(patch);
+    double detail =
+        options.is_simplified ? std::max(options.min_detail_m, two_sides_m) : options.min_detail_m;
+    double window = two_sides_m;
     const auto range = median_range_m(patch, cameras_plane);
     if (range && options.focal_px > 0.0) {
         detail = std::max(detail, options.support_px * *range / options.focal_px);

@@ -10,8 +10,8 @@ namespace divemesh::reef {
 
 // The resolution at which the ground was measured.
 struct SamplingResolution {
-    std::optional<double> sigma_m;        // of the vertices, RMS
-    std::optional<double> sigma_local_m;  // of the vertices' noise only, RMS
+    std::optional<double> sigma_m;        // that most of the ground does not exceed
+    std::optional<double> sigma_local_m;  // the same of the noise only
     std::optional<double> detail_m;       // size of the smallest detail that the surface holds
     double correlation_length_m = 0.0;
     double min_sample_m = 0.0;  // of a grid whose samples fit the memory limit

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "worker/io/mesh_check.hpp"
 #include "worker/stats/median.hpp"
@@ -99,8 +100,8 @@ SurfacePatch cut_patch(const types::Mesh& mesh, const AreaPlane& plane, double m
             patch.share_within.push_back(1.0);
             continue;
         }
-        if (plane.outline.size() < 3) {  // a transect's line
-            patch.share_within.push_back(0.0);
+        if (plane.outline.size() < 3) {  // a transect's line: all of the mesh near it
+            patch.share_within.push_back(1.0);
             continue;
         }
         const auto& corners = patch.triangles.back();
@@ -131,6 +132,29 @@ std::optional<double> typical_sigma_m(const std::vector<double>& sigma_m) {
     }
     if (num == 0) return std::nullopt;
     return std::sqrt(squares / static_cast<double>(num));
+}
+
+std::optional<double> sigma_of_most_m(const SurfacePatch& patch,
+                                      const std::vector<double>& sigma_m) {
+    constexpr double kMost = 0.8;
+    std::vector<std::pair<double, double>> parts;  // sigma, m, and area, m2
+    double total = 0.0;
+    for (std::size_t i = 0; i < patch.triangles.size(); ++i) {
+        const auto& [a, b, c] = patch.triangles[i];
+        const double sigma = (sigma_m[a] + sigma_m[b] + sigma_m[c]) / 3.0;
+        if (sigma <= 0.0 || patch.share_within[i] <= 0.0) continue;
+        parts.emplace_back(
+            sigma,
+            patch.share_within[i] *
+                triangle_area(patch.vertices[a], patch.vertices[b], patch.vertices[c]));
+        total += parts.back().second;
+    }
+    if (parts.empty()) return std::nullopt;
+    std::sort(parts.begin(), parts.end());
+    std::size_t i = 0;
+    for (double area = parts[0].second; area < kMost * total && i + 1 < parts.size();)
+        area += parts[++i].second;
+    return parts[i].first;
 }
 
 std::optional<double> median_range_m(const SurfacePatch& patch,

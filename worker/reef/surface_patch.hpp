@@ -17,7 +17,7 @@ struct SurfacePatch {
     std::vector<double> sigma_local_m;     // its noise part, if the mesh has it
     std::vector<double> sigma_bend_m;      // the rest: lost in bends or moved by poses
     Triangles triangles;
-    std::vector<double> share_within;  // of each triangle's area, within the outline
+    std::vector<double> share_within;  // of each triangle's area, within the outline; 1 for a line
 };
 
 // Returns every triangle within `margin_m` of the outline's bounds, because noise may move near
@@ -30,6 +30,10 @@ double surface_area_m2(const SurfacePatch& patch, const std::vector<Eigen::Vecto
 
 // Returns the RMS of the known sigmas; nullopt if none is known.
 std::optional<double> typical_sigma_m(const std::vector<double>& sigma_m);
+// Returns the sigma that 80 % of the triangles' area within the outline does not exceed, so that a
+// few vague vertices do not decide it. `sigma_m`: one per vertex; nullopt if none is known.
+std::optional<double> sigma_of_most_m(const SurfacePatch& patch,
+                                      const std::vector<double>& sigma_m);
 // Returns the median distance of the vertices to their nearest camera, m; nullopt without cameras
 // or vertices.
 std::optional<double> median_range_m(const SurfacePatch& patch,

@@ -28,8 +28,12 @@ std::vector<double> of_hidden_ground(const OutlineSurvey& survey,
     if (!survey.has_hidden) return systematic;
     const Ground low = survey.ground(survey.patch[0].vertices, 0, gaps_filled_low);
     const std::vector<double> values = values_of(kinds, low, simulated);
-    for (std::size_t k = 0; k < kinds.size(); ++k)
+    const Ground measured = survey.ground(survey.patch[0].vertices);
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
         systematic[k] = difference(values[k], simulated[k]);
+        if (kinds[k].hidden_deviation)
+            systematic[k] = std::hypot(systematic[k], kinds[k].hidden_deviation(measured));
+    }
     return systematic;
 }
 

@@ -8,7 +8,8 @@
 namespace divemesh::reef {
 
 // Returns one standard deviation of each metric for what is not noise of the vertices:
-// - hidden ground: the change if it continued at its lower end instead of being bridged;
+// - hidden ground: the change if it continued at its lower end instead of being bridged, and the
+//   metric's own hidden_deviation;
 // - steps, for metrics without blurring: a disparity puts them anywhere in its support, so that all
 //   may lie 1 / sqrt(12) of `detail_m` farther out or in;
 // - bends and poses (the vertices' sigma without its noise): random fields of that size, in common

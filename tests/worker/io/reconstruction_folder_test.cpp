@@ -45,6 +45,30 @@ TEST_F(ReconstructionFolderTest, GivesBackWhatWasWritten) {
     EXPECT_EQ(reconstruction.keyframes()[0].T_world_cam.translation(), Eigen::Vector3d(1, 2, 3));
 }
 
+TEST_F(ReconstructionFolderTest, TheSurfaceWasMatchedAtTheFocalLengthOfTheRectifiedImages) {
+    write("metrics.json",
+          R"({"calibration": {"focal_px": [900, 901]}, "frames": {"reduction": 2}})");
+    write("keyframes.json", R"({"focal_px": 310.5, "keyframes": []})");
+    EXPECT_EQ(open().matched_focal_px(), 310.5);
+    std::filesystem::remove(file("keyframes.json"));
+    EXPECT_EQ(open().matched_focal_px(), 450.0);
+    write("metrics.json", "{}");
+    EXPECT_EQ(open().matched_focal_px(), 0.0);
+}
+
+TEST_F(ReconstructionFolderTest, TheErrorOfSimplificationIsInSigmaAndIsNoNoise) {
+    types::Mesh mesh = tetrahedron();
+    mesh.sigma_m = {0.003F, 0.0F, 0.003F, 0.003F};  // 0: unknown
+    write_ply(file("mesh.ply"), mesh);
+    EXPECT_FALSE(open().is_simplified());
+    EXPECT_EQ(open().mesh().sigma_m, mesh.sigma_m);
+    write("metrics.json", R"({"mesh": {"simplification": {"rms_m": 0.004, "max_m": 0.03}}})");
+    EXPECT_TRUE(open().is_simplified());
+    EXPECT_NEAR(open().mesh().sigma_m[0], 0.005, 1e-7);
+    EXPECT_EQ(open().mesh().sigma_m[1], 0.0F);
+    EXPECT_EQ(open().mesh().sigma_local_m, mesh.sigma_local_m);
+}
+
 TEST_F(ReconstructionFolderTest, NamesWhatIsMissing) {
     const Error error = error_of([&] { open().trajectory(); });
 

@@ -152,6 +152,67 @@ TEST(HiddenGround, FlatGroundThatWasNotSwumOverChangesNothing) {
     EXPECT_NEAR(found - 1.0, exact - 1.0, 0.05 * (exact - 1.0));
 }
 
+// Returns a sheet of 1 m with square cells, without those of columns and rows [first, end).
+types::Mesh holed_sheet(int num_cells, int first, int end, const HeightOf& height) {
+    types::Mesh mesh = sheet(1.0, 1.0 / num_cells, height);
+    const auto is_hole = [&](int i) { return first <= i && i < end; };
+    Triangles seen;
+    for (int i = 0; i < std::ssize(mesh.triangles); ++i) {
+        const int cell = i / 2;
+        if (!is_hole(cell % num_cells) || !is_hole(cell / num_cells))
+            seen.push_back(mesh.triangles[i]);
+    }
+    mesh.triangles = seen;
+    return mesh;
+}
+
+// Two thirds of the square metre are seen. A slope of one half has 1.118 times its planar area.
+TEST(HiddenGround, SurfaceAreaCountsItAndIsNoMoreCertainThanItsRoughness) {
+    const double truth_m2 = std::sqrt(1.25);
+    const double hidden_m2 = 0.575 * 0.575;
+    const json area =
+        metric_of(measured(holed_sheet(80, 17, 63, [](double x, double) { return 0.5 * x; })),
+                  "q",
+                  "surface_area");
+    const double value_m2 = area["value"];
+    EXPECT_NEAR(value_m2, truth_m2, 0.005 * truth_m2);
+    EXPECT_LT(area["low"].get<double>(), truth_m2);
+    EXPECT_GT(area["high"].get<double>() - value_m2, 1.9 * hidden_m2 * (truth_m2 - 1.0));
+    EXPECT_NE(area["method"].get<std::string>().find("67.3 % of the area was seen"),
+              std::string::npos);
+}
+
+TEST(HiddenGround, FlatGroundHasItsPlanarAreaHoweverMuchOfItIsSeen) {
+    MeasureOptions options;
+    options.scale_sigma = 0.0;
+    const auto area_of = [&](const types::Mesh& mesh) {
+        return metric_of(measure_areas(mesh, {AreaFrame::World, {quadrat("q", 0.0, 1.0)}}, options),
+                         "q",
+                         "surface_area");
+    };
+    const auto flat = [](double, double) { return 0.0; };
+    const json between_samples = area_of(holed_sheet(80, 17, 63, flat));
+    EXPECT_NEAR(between_samples["value"].get<double>(), 1.0, 1e-6);
+    const json on_samples = area_of(holed_sheet(64, 16, 48, flat));  // those on its border are seen
+    EXPECT_LT(on_samples["low"].get<double>(), 1.0);
+    EXPECT_GT(on_samples["high"].get<double>(), 1.0);
+    const json whole = area_of(sheet(1.0, 0.0125, flat));
+    EXPECT_NEAR(whole["value"].get<double>(), 1.0, 1e-6);
+    EXPECT_EQ(whole["high"], whole["value"]);
+    EXPECT_EQ(whole["method"].get<std::string>().find("was seen"), std::string::npos);
+}
+
+TEST(HiddenGround, ShapeIsThatOfTheGroundSeen) {
+    const types::Mesh mesh = holed_sheet(20, 6, 12, [](double x, double y) {
+        return -2.0 * (x - 0.5) * (x - 0.5) - 1.0 * (y - 0.5) * (y - 0.5);
+    });
+    MeasureOptions options;
+    options.spacings_m = {0.05};
+    const json found = measure_areas(mesh, {AreaFrame::World, {quadrat("q", 0.0, 1.0)}}, options);
+    EXPECT_NEAR(metric_of(found, "q", "curvature")["value"].get<double>(), 6.0, 1e-3);
+    EXPECT_NEAR(metric_of(found, "q", "curvature_deviation")["value"].get<double>(), 0.0, 1e-2);
+}
+
 TEST(HiddenGround, AChainRunsStraightOverIt) {
     types::Mesh mesh = blocks(true);
     Area line;

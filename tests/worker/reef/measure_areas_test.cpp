@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "schemas/error.hpp"
@@ -63,6 +64,23 @@ TEST(MeasureAreas, BelowThreeSigmaAndBelowTheDetailMetricsAreRefusedWithTheReaso
     EXPECT_NEAR(metric_of(measured, "q", "vrm")["resolution_m"].get<double>(), 0.05, 1e-12);
 }
 
+TEST(MeasureAreas, AFewVagueVerticesDoNotCoarsenTheRest) {
+    const auto measured_if_vague_beyond = [](float x_m) {
+        types::Mesh mesh = sheet(0.5, 0.01, hills);
+        for (const Eigen::Vector3f& vertex : mesh.vertices)
+            mesh.sigma_m.push_back(vertex.x() > x_m ? 0.2F : 0.001F);
+        mesh.sigma_local_m.assign(mesh.vertices.size(), 1e-6F);
+        return measure_areas(mesh, set_of({quadrat("q", 0.1, 0.4)}), few_replicates());
+    };
+    const json a_tenth = measured_if_vague_beyond(0.375F);
+    EXPECT_NEAR(a_tenth["areas"][1]["sigma_m"].get<double>(), 0.001, 1e-6);
+    EXPECT_TRUE(metric_of(a_tenth, "q", "rugosity", 0.01).contains("value"));
+    const json a_third = measured_if_vague_beyond(0.305F);
+    EXPECT_NEAR(a_third["areas"][1]["sigma_m"].get<double>(), 0.2, 1e-6);
+    EXPECT_EQ(metric_of(a_third, "q", "rugosity", 0.10).value("refused", ""),
+              "below 3 sigma of the surface, 600.0 mm");
+}
+
 TEST(MeasureAreas, NoiseIsTakenBackByItsLocalPartAlone) {
     types::Mesh mesh = sheet(0.4, 0.01, hills);
     const double exact = metric_of(measure_areas(mesh, set_of({quadrat("q", 0.05, 0.35)}), {}),
@@ -91,6 +109,22 @@ TEST(MeasureAreas, IntervalsIncludeErrorsThatTheWholeSurfaceShares) {
     EXPECT_NEAR(half_width("planar_area"), 1.96 * 0.02 * 0.09, 1e-6);
     EXPECT_NEAR(half_width("longest_diameter"), 1.96 * 0.01 * 0.3 * std::sqrt(2.0), 1e-6);
     EXPECT_NEAR(half_width("volume"), 1.96 * std::hypot(0.002 * 0.09, 0.03 * 0.09 * 0.225), 1e-6);
+}
+
+TEST(MeasureAreas, AVolumeIsOverThePlaneAtTheMeanHeightOfTheCorners) {
+    const types::Mesh mesh = sheet(0.5, 0.01, [](double, double) { return 0.1; });
+    Area area = quadrat("q", 0.1, 0.4);
+    area.points[0].z() = area.points[2].z() = 0.06;  // the normal stays upright
+    const auto volume_of = [&] {
+        return metric_of(measure_areas(mesh, set_of({area}), {}), "q", "volume")["value"]
+            .get<double>();
+    };
+    EXPECT_NEAR(volume_of(), 0.09 * (0.1 - 0.03), 1e-7);
+    std::rotate(area.points.begin(), area.points.begin() + 1, area.points.end());
+    EXPECT_NEAR(volume_of(), 0.09 * (0.1 - 0.03), 1e-7);  // whichever corner is the first
+    area.normal = Eigen::Vector3d::UnitZ();
+    area.points[0].z() = 0.08;
+    EXPECT_NEAR(volume_of(), 0.09 * (0.1 - 0.05), 1e-7);
 }
 
 TEST(MeasureAreas, TheBorderOfWhatWasSeenIsInTheIntervalOfItsArea) {

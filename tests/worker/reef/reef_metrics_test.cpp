@@ -163,6 +163,18 @@ TEST(ReefMetrics, AChainOverARidgeIsAsLongAsItsSides) {
     EXPECT_FALSE(chain_rugosity({{0.0, 1.0}, {0.1, kUnseen_m}}).has_value());
 }
 
+TEST(ReefMetrics, SigmaOfMostOfTheGroundIsByAreaAndNotByVertices) {
+    types::Mesh mesh = sheet(1.0, 0.5, [](double, double) { return 0.0; });
+    mesh.sigma_m.assign(mesh.vertices.size(), 0.001F);
+    for (int i = 0; i < 100; ++i)  // an eighth of all area within the outline
+        add_triangle(mesh, {0.5, 0.5, 0.1}, {0.55, 0.5, 0.1}, {0.5, 0.557, 0.1});
+    add_triangle(mesh, {1.0, 0.0, 0.1}, {1.04, 9.0, 0.1}, {1.04, -9.0, 0.1});  // beside it
+    mesh.sigma_m.resize(mesh.vertices.size(), 0.1F);
+    const SurfacePatch patch = cut_patch(mesh, plane_of(quadrat("q", 0.0, 1.0)), 0.05);
+    EXPECT_NEAR(sigma_of_most_m(patch, patch.sigma_m).value(), 0.001, 1e-6);
+    EXPECT_FALSE(sigma_of_most_m(patch, std::vector<double>(patch.vertices.size())).has_value());
+}
+
 TEST(ReefMetrics, TheHighestOfTwoSheetsIsSeen) {
     types::Mesh mesh = sheet(1.0, 0.1, [](double, double) { return 0.0; });
     add_face(mesh,

@@ -1,0 +1,100 @@
+#include "worker/reef/measure_reconstruction.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "tests/temporary_folder.hpp"
+#include "tests/worker/reef/sheets.hpp"
+#include "worker/io/ply.hpp"
+#include "worker/io/trajectory_file.hpp"
+
+namespace divemesh::reef {
+namespace {
+
+using nlohmann::json;
+
+// A result of level ground, 1 m x 1 m, that a rig saw from 2 m above its middle.
+class MeasureReconstructionTest : public testing::Test {
+protected:
+    MeasureReconstructionTest() {
+        types::Trajectory trajectory(1);
+        trajectory[0].T_world_imu.translation() = Eigen::Vector3d(0.5, 0.5, 2.0);
+        io::write_tum(folder_ / "trajectory.tum", trajectory);
+        write("areas.json", R"({"areas": [{"name": "q", "corners": [[0.2, 0.2, 0], [0.8, 0.2, 0],
+                                           [0.8, 0.8, 0], [0.2, 0.8, 0]]}]})");
+        write("metrics.json", "{}");
+        give_ground(0.01);
+    }
+
+    void write(const std::string& name, const std::string& text) const {
+        std::ofstream(folder_ / name) << text;
+    }
+    void give_ground(double cell_m) const {
+        types::Mesh mesh = sheet(1.0, cell_m, [](double, double) { return 0.0; });
+        mesh.sigma_m.assign(mesh.vertices.size(), 0.002F);
+        mesh.sigma_local_m = mesh.sigma_m;
+        io::write_ply(folder_ / "mesh.ply", mesh);
+    }
+    json measure() const {
+        return measure_reconstruction({folder_.path(), folder_ / "areas.json", std::nullopt});
+    }
+
+private:
+    TemporaryFolder folder_;
+};
+
+TEST_F(MeasureReconstructionTest, DetailIsThatOfTheImagesInWhichTheSurfaceWasMatched) {
+    write("metrics.json",
+          R"({"calibration": {"focal_px": [900, 900]}, "frames": {"reduction": 2}})");
+    write("keyframes.json", R"({"focal_px": 300, "keyframes": []})");
+    const json measured = measure();
+    const double range_m = 2.02;  // the median over the quadrat
+    EXPECT_NEAR(measured["areas"][1]["detail_m"].get<double>(), 15.0 * range_m / 300.0, 1e-3);
+    EXPECT_TRUE(metric_of(measured, "q", "rugosity", 0.10).contains("refused"));
+    EXPECT_TRUE(metric_of(measured, "q", "rugosity", 0.25).contains("value"));
+}
+
+TEST_F(MeasureReconstructionTest, ASimplifiedMeshIsAsCoarseAsItsTrianglesAndAsVagueAsItsError) {
+    give_ground(0.05);
+    write("keyframes.json", R"({"focal_px": 3000, "keyframes": []})");
+    EXPECT_TRUE(metric_of(measure(), "q", "rugosity", 0.02).contains("value"));
+    write("metrics.json", R"({"mesh": {"voxel_m": 0.004, "simplification":
+        {"num_triangles_before": 9, "rms_m": 0.0015, "max_m": 0.01}}})");
+    const json measured = measure();
+    EXPECT_NEAR(measured["areas"][1]["sigma_m"].get<double>(), std::hypot(0.002, 0.0015), 1e-6);
+    EXPECT_NEAR(measured["areas"][1]["detail_m"].get<double>(), 2.0 * 0.05, 1e-5);
+    EXPECT_EQ(metric_of(measured, "q", "rugosity", 0.05).value("refused", ""),
+              "finer than the detail of the surface, 100.0 mm");
+}
+
+TEST_F(MeasureReconstructionTest, ScaleIsAsCertainAsTheReconstructionStates) {
+    const auto half_width = [&](const char* metric) {
+        const json entry = metric_of(measure(), "q", metric);
+        return 0.5 * (entry["high"].get<double>() - entry["low"].get<double>());
+    };
+    write("metrics.json", R"({"calibration": {"scale_sigma": 0.02}})");
+    EXPECT_NEAR(half_width("planar_area"), 1.96 * 2.0 * 0.02 * 0.36, 1e-5);
+    EXPECT_NEAR(half_width("longest_diameter"), 1.96 * 0.02 * 0.6 * std::sqrt(2.0), 1e-5);
+    write("metrics.json", "{}");
+    EXPECT_NEAR(half_width("planar_area"), 1.96 * 2.0 * types::kCalibrationSigma * 0.36, 1e-5);
+}
+
+TEST_F(MeasureReconstructionTest, TheVerdictAndWhatConcernsTheMetricsComeWithThem) {
+    EXPECT_EQ(measure()["reconstruction"], json({{"findings", json::array()}}));
+    write("metrics.json",
+          R"({"verdict": "usable_with_restrictions", "restrictions": ["path", "scale"],
+        "findings": [
+        {"severity": "warning", "code": "tracking_lost", "where": "", "message": "m", "remedy": "r"},
+        {"severity": "warning", "code": "scale_untested", "where": "", "message": "m", "remedy": "r"},
+        {"severity": "info", "code": "scale_corrected", "where": "", "message": "m", "remedy": "r"}]})");
+    const json judgement = measure()["reconstruction"];
+    EXPECT_EQ(judgement["verdict"], "usable_with_restrictions");
+    EXPECT_EQ(judgement["restrictions"], json({"path", "scale"}));
+    ASSERT_EQ(judgement["findings"].size(), 1U);
+    EXPECT_EQ(judgement["findings"][0]["code"], "scale_untested");
+}
+
+}  // namespace
+}  // namespace divemesh::reef
