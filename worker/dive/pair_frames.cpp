@@ -27,10 +27,22 @@ constexpr double kMinDelay_s = 0.005;                   // clocks that differ by
 constexpr double kDelaySigmas = 5.0;
 constexpr double kMinDrift_s = 0.006;  // over the dive
 constexpr double kDriftSigmas = 6.0;
+constexpr double kMinMorePairs = 1.05;   // a share of pairs that are far apart, not single ones
 constexpr double kMinLossRatio = 1.001;  // less is rounding
 
 std::int64_t half_period_ns(const std::vector<CameraRow>& rows) {
     return std::max(common_clock_tolerance_ns(rows), median_period_ns(timestamps_of(rows)) / 2);
+}
+
+// Returns the tolerance for cameras on one clock: that of cameras that fire together, or half a
+// frame period if many images are further apart, as those of cameras that run free are.
+std::int64_t one_clock_tolerance_ns(const CameraImages& images) {
+    const std::int64_t together_ns = common_clock_tolerance_ns(images.left);
+    const std::int64_t apart_ns = half_period_ns(images.left);
+    const auto num_pairs = [&](std::int64_t tolerance_ns) {
+        return static_cast<double>(match_pairs(images.left, images.right, {}, tolerance_ns).size());
+    };
+    return num_pairs(apart_ns) > kMinMorePairs * num_pairs(together_ns) ? apart_ns : together_ns;
 }
 
 // Returns every n-th row between two times, so that rows are not nearer than the profile needs.
@@ -95,7 +107,10 @@ PairGaps judge_gaps(double loss_without_px2, double loss_with_px2) {
 class PairFinder {
 public:
     PairFinder(const CameraImages& images, const types::Rig& rig)
-        : images_(images), rig_(rig), is_common_(agree_in_time(images.left, images.right)) {}
+        : images_(images),
+          rig_(rig),
+          is_common_(agree_in_time(images.left, images.right)),
+          one_clock_tolerance_ns_(one_clock_tolerance_ns(images)) {}
 
     PairedFrames find() {
         const ClockDifference guess = guess_clock_difference(images_.left, images_.right);
@@ -108,9 +123,8 @@ private:
     PairedFrames pair_with(const ClockDifference& clocks) {
         PairedFrames frames;
         frames.clocks = clocks;
-        const std::int64_t tolerance_ns = clocks.is_zero() && is_common_
-                                              ? common_clock_tolerance_ns(images_.left)
-                                              : half_period_ns(images_.left);
+        const std::int64_t tolerance_ns =
+            clocks.is_zero() && is_common_ ? one_clock_tolerance_ns_ : half_period_ns(images_.left);
         frames.pairs = match_pairs(images_.left, images_.right, clocks, tolerance_ns);
         measure(frames);
         return frames;
@@ -262,6 +276,7 @@ private:
     const CameraImages& images_;
     const types::Rig& rig_;
     bool is_common_;  // most images have a partner by timestamps alone
+    std::int64_t one_clock_tolerance_ns_;
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -75,6 +76,14 @@ struct Recorded {
     double right_clock_s = 0.0;  // difference of its clock at the start
     double right_drift = 0.0;
     double right_period_ratio = 1.0;  // of the right camera's period to that of the left one
+    double trigger_jitter_s = 0.0;    // of the right camera
+    double stamp_jitter_s = 0.0;      // of its timestamps alone
+
+    // Returns the jitter of a frame in multiples of its size.
+    static double jitter(int frame) {
+        constexpr std::array<double, 4> kPattern = {-1.0, 1.0, 0.0, 0.0};
+        return kPattern[static_cast<std::size_t>(frame % 4)];
+    }
 };
 
 class PairFramesTest : public testing::Test {
@@ -83,9 +92,12 @@ protected:
         CameraImages images;
         for (int i = 0; i < recorded.num_frames; ++i) {
             const double left_s = i * recorded.period_s;
-            const double right_s = left_s * recorded.right_period_ratio + recorded.right_late_s;
-            const double right_stamp_s =
-                right_s + recorded.right_clock_s + recorded.right_drift * right_s;
+            const double jitter = Recorded::jitter(i);
+            const double right_s = left_s * recorded.right_period_ratio + recorded.right_late_s +
+                                   jitter * recorded.trigger_jitter_s;
+            const double right_stamp_s = right_s + recorded.right_clock_s +
+                                         recorded.right_drift * right_s +
+                                         jitter * recorded.stamp_jitter_s;
             images.left.push_back({stamp_ns(left_s), std::to_string(left_s)});
             images.right.push_back({stamp_ns(right_stamp_s), std::to_string(right_s)});
         }
@@ -226,6 +238,34 @@ TEST_F(PairFramesTest, TheGapOfEachPairIsKnownOfCamerasThatRunFree) {
             told, HasFinding(Severity::Warning, "frames_unsynchronised", "as the images confirm"));
         EXPECT_THAT(told, testing::Not(HasFinding(Severity::Warning, "camera_clocks_differ", "")));
     }
+}
+
+TEST_F(PairFramesTest, PairsOfATriggerThatJittersAreKeptWithTheirGaps) {
+    Recorded recorded;
+    recorded.trigger_jitter_s = 0.008;
+    const CameraImages images = record(recorded);
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.pairs.size(), 80U);
+    EXPECT_EQ(frames.gaps, PairGaps::Confirmed);
+    EXPECT_LT(max_delay_error_s(frames), 1e-5);
+    EXPECT_THAT(report(frames, images).all(),
+                HasFinding(Severity::Warning, "frames_unsynchronised", "8.0 ms at most"));
+}
+
+TEST_F(PairFramesTest, TimestampsThatJitterAloneAreContradictedByTheImages) {
+    Recorded recorded;
+    recorded.stamp_jitter_s = 0.008;
+    const CameraImages images = record(recorded);
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.pairs.size(), 80U);
+    EXPECT_EQ(frames.gaps, PairGaps::Contradicted);
+    EXPECT_LT(max_delay_error_s(frames), 1e-6);
+    EXPECT_THAT(report(frames, images).all(),
+                HasFinding(Severity::Warning, "frames_unsynchronised", "the images fit better"));
 }
 
 // As of two videos: both number their frames at the nominal rate, and one camera is slower.
