@@ -157,6 +157,7 @@ types::RectifiedFrame Rectifier::rectify(const types::StereoFrame& frame) const 
     result.left = rectify_left(frame.left);
     result.right = remapped(frame.right, right_map_);
     result.fixed_pattern = fixed_pattern_;
+    result.right_delay_s = frame.right_delay_s;
     return result;
 }
 

@@ -8,8 +8,8 @@
 
 namespace divemesh::camera {
 
-// Returns the camera's motion between the exposures, given its motion over a share of the time of
-// T_current_previous that ends with the left image.
+// Returns the camera's motion from the exposure of the left image to that of the right one, which
+// takes a share of the time of T_current_previous; negative: the right image is the earlier one.
 types::ExposureMotion exposure_motion(const types::RectifiedRig& rig,
                                       const Eigen::Isometry3d& T_current_previous,
                                       double share,

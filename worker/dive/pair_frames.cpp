@@ -27,9 +27,22 @@ constexpr double kMinDelay_s = 0.005;                   // clocks that differ by
 constexpr double kDelaySigmas = 5.0;
 constexpr double kMinDrift_s = 0.006;  // over the dive
 constexpr double kDriftSigmas = 6.0;
+constexpr double kMinMorePairs = 1.05;   // a share of pairs that are far apart, not single ones
+constexpr double kMinLossRatio = 1.001;  // less is rounding
 
 std::int64_t half_period_ns(const std::vector<CameraRow>& rows) {
     return std::max(common_clock_tolerance_ns(rows), median_period_ns(timestamps_of(rows)) / 2);
+}
+
+// Returns the tolerance for cameras on one clock: that of cameras that fire together, or half a
+// frame period if many images are further apart, as those of cameras that run free are.
+std::int64_t one_clock_tolerance_ns(const CameraImages& images) {
+    const std::int64_t together_ns = common_clock_tolerance_ns(images.left);
+    const std::int64_t apart_ns = half_period_ns(images.left);
+    const auto num_pairs = [&](std::int64_t tolerance_ns) {
+        return static_cast<double>(match_pairs(images.left, images.right, {}, tolerance_ns).size());
+    };
+    return num_pairs(apart_ns) > kMinMorePairs * num_pairs(together_ns) ? apart_ns : together_ns;
 }
 
 // Returns every n-th row between two times, so that rows are not nearer than the profile needs.
@@ -84,10 +97,20 @@ bool same_images(const PairedFrames& a, const PairedFrames& b) {
                       });
 }
 
+// Returns what the images tell about gaps, by how well they fit without and with them.
+PairGaps judge_gaps(double loss_without_px2, double loss_with_px2) {
+    if (loss_with_px2 > kMinLossRatio * loss_without_px2) return PairGaps::Contradicted;
+    return loss_without_px2 > kMinLossRatio * loss_with_px2 ? PairGaps::Confirmed
+                                                            : PairGaps::Stated;
+}
+
 class PairFinder {
 public:
     PairFinder(const CameraImages& images, const types::Rig& rig)
-        : images_(images), rig_(rig), is_common_(agree_in_time(images.left, images.right)) {}
+        : images_(images),
+          rig_(rig),
+          is_common_(agree_in_time(images.left, images.right)),
+          one_clock_tolerance_ns_(one_clock_tolerance_ns(images)) {}
 
     PairedFrames find() {
         const ClockDifference guess = guess_clock_difference(images_.left, images_.right);
@@ -100,9 +123,8 @@ private:
     PairedFrames pair_with(const ClockDifference& clocks) {
         PairedFrames frames;
         frames.clocks = clocks;
-        const std::int64_t tolerance_ns = clocks.is_zero() && is_common_
-                                              ? common_clock_tolerance_ns(images_.left)
-                                              : half_period_ns(images_.left);
+        const std::int64_t tolerance_ns =
+            clocks.is_zero() && is_common_ ? one_clock_tolerance_ns_ : half_period_ns(images_.left);
         frames.pairs = match_pairs(images_.left, images_.right, clocks, tolerance_ns);
         measure(frames);
         return frames;
@@ -123,6 +145,19 @@ private:
             moments.push_back(first);
         }
         frames.delay = estimate_delay(samples);
+        if (frames.gaps_vary()) measure_beyond_gaps(std::move(samples), frames);
+    }
+
+    // Replaces the delay by that beyond each pair's gap, unless one delay for all pairs fits the
+    // images better. Images that show too little to tell leave it to the timestamps.
+    static void measure_beyond_gaps(std::vector<EpipolarMoment> samples, PairedFrames& frames) {
+        std::vector<double> gaps_s;
+        for (const int moment : frames.moments)
+            gaps_s.push_back(
+                base::to_s(frames.gap_ns(frames.pairs[static_cast<std::size_t>(moment)])));
+        StereoDelay beyond = estimate_delay(without_gaps(std::move(samples), gaps_s));
+        frames.gaps = judge_gaps(frames.delay.loss_px2, beyond.loss_px2);
+        if (frames.uses_gaps()) frames.delay = std::move(beyond);
     }
 
     // Returns the first pair far enough after `first` for features to have moved; `first` if none.
@@ -198,9 +233,10 @@ private:
             const bool is_same = same_images(found, known);
             const bool is_better = std::abs(found.delay.delay_s) < std::abs(known.delay.delay_s) ||
                                    share_fitting(found) > share_fitting(known);
-            if (is_same) known.clocks = *clocks;
-            if (is_same || !is_better) return known;
+            if (!is_same && !is_better) return known;
             known = std::move(found);
+            // Other clocks change what is measured of the same images only where it is beyond gaps.
+            if (is_same && !known.uses_gaps()) return known;
         }
         return known;
     }
@@ -214,10 +250,9 @@ private:
             const FramePair& pair = known.pairs[static_cast<std::size_t>(known.moments[k])];
             const double delay_s = known.delay.by_moment_s[k];
             if (!std::isfinite(delay_s)) continue;
-            const std::int64_t known_ns = known.clocks.at(pair.timestamp_ns);
-            const std::int64_t gap_ns = pair.right_ns - pair.timestamp_ns - known_ns;
-            points.emplace_back(base::to_s(pair.timestamp_ns - start_ns),
-                                base::to_s(gap_ns) - delay_s);
+            // Where the gap is used, the delay is already that beyond it.
+            const double gap_s = known.uses_gaps() ? 0.0 : base::to_s(known.gap_ns(pair));
+            points.emplace_back(base::to_s(pair.timestamp_ns - start_ns), gap_s - delay_s);
         }
         if (!known.delay.is_determined) return std::nullopt;
         const Line level = fit_line(points, true);
@@ -241,14 +276,10 @@ private:
     const CameraImages& images_;
     const types::Rig& rig_;
     bool is_common_;  // most images have a partner by timestamps alone
+    std::int64_t one_clock_tolerance_ns_;
 };
 
 }  // namespace
-
-void use_right_clock(PairedFrames& frames) {
-    for (FramePair& pair : frames.pairs) pair.timestamp_ns += frames.clocks.at(pair.timestamp_ns);
-    frames.has_right_clock = true;
-}
 
 PairedFrames pair_frames(const CameraImages& images, const types::Rig& rig) {
     if (images.left.empty() || images.right.empty()) return {};

@@ -5,6 +5,7 @@
 #include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 #include "worker/dive/pair_frames.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -76,8 +77,37 @@ std::string effect_of(double delay_s, const StereoDelay& seen, double baseline_m
            base::fixed(delay_s * seen.flow_px_s, 1) + " px of disparity";
 }
 
+// Says what the images tell about gaps that vary by the timestamps.
+std::string opinion_on_gaps(const PairedFrames& frames) {
+    const StereoDelay& delay = frames.delay;
+    if (delay.is_significant())
+        return "to which the images add " + base::fixed(1e3 * delay.delay_s, 1) + " ms (+- " +
+               base::fixed(2e3 * delay.sigma_s, 1) + " ms)";
+    return frames.gaps == PairGaps::Confirmed ? "as the images confirm"
+                                              : "and the images show too little to confirm it";
+}
+
+void report_varying_gaps(const PairedFrames& frames, double baseline_m, FindingLog& findings) {
+    std::vector<double> delays_s;
+    delays_s.reserve(frames.pairs.size());
+    for (const FramePair& pair : frames.pairs)
+        delays_s.push_back(std::abs(frames.right_delay_s(pair)));
+    const double max_s = *std::ranges::max_element(delays_s);
+    findings.warning("frames_unsynchronised",
+                     kRightRows,
+                     "the time between left and right images varies from pair to pair by their "
+                     "timestamps, " +
+                         opinion_on_gaps(frames) + ". It is " +
+                         base::fixed(1e3 * stats::median(delays_s), 1) + " ms in the median, and " +
+                         base::fixed(1e3 * max_s, 1) + " ms at most" +
+                         effect_of(max_s, frames.delay, baseline_m) +
+                         ". All presets except paper correct each pair for the motion in between",
+                     "Trigger both cameras together, or move slowly.");
+}
+
 void report_delay(const PairedFrames& frames, double baseline_m, FindingLog& findings) {
     const StereoDelay& delay = frames.delay;
+    if (frames.uses_gaps()) return report_varying_gaps(frames, baseline_m, findings);
     if (delay.is_significant())
         return findings.warning(
             "frames_unsynchronised",
@@ -89,18 +119,17 @@ void report_delay(const PairedFrames& frames, double baseline_m, FindingLog& fin
                 ". All presets except paper correct for the motion in between",
             "Trigger both cameras together, or move slowly.");
     std::int64_t max_offset_ns = 0;
-    for (const FramePair& pair : frames.pairs) {
-        const std::int64_t known_ns =
-            frames.has_right_clock ? 0 : frames.clocks.at(pair.timestamp_ns);
-        max_offset_ns =
-            std::max(max_offset_ns, std::abs(pair.right_ns - pair.timestamp_ns - known_ns));
-    }
+    for (const FramePair& pair : frames.pairs)
+        max_offset_ns = std::max(max_offset_ns, std::abs(frames.gap_ns(pair)));
     if (max_offset_ns <= (frames.clocks.is_zero() ? kReportedOffset_ns : kClocksOffset_ns)) return;
     findings.warning("frames_unsynchronised",
                      kRightRows,
                      "left and right images are up to " +
                          base::fixed(1e3 * base::to_s(max_offset_ns), 2) + " ms apart" +
-                         effect_of(base::to_s(max_offset_ns), delay, baseline_m),
+                         (frames.gaps == PairGaps::Contradicted
+                              ? " by their timestamps, but the images fit better if all pairs were "
+                                "exposed together: they are used as such"
+                              : effect_of(base::to_s(max_offset_ns), delay, baseline_m)),
                      "Trigger both cameras together, or move slowly.");
 }
 

@@ -59,6 +59,14 @@ double median_residual_px(const Model& model, const std::vector<EpipolarSample>&
     return stats::upper_median(std::move(residuals));
 }
 
+// Returns the mean of Tukey's loss, with a scale that does not depend on the fit.
+double mean_loss_px2(const Model& model, const std::vector<EpipolarSample>& samples) {
+    double sum = 0.0;
+    for (const EpipolarSample& s : samples)
+        sum += stats::tukey_loss(residual_px(model, s), kFits_px);
+    return sum / static_cast<double>(samples.size());
+}
+
 struct Fit {
     Model model = Model::Zero();
     double last_step_s = 0.0;  // of the delay
@@ -187,6 +195,13 @@ bool StereoDelay::is_significant() const {
     return is_determined && std::abs(delay_s) > std::max(kMinDelay_s, kSigmas * sigma_s);
 }
 
+std::vector<EpipolarMoment> without_gaps(std::vector<EpipolarMoment> moments,
+                                         const std::vector<double>& gaps_s) {
+    for (std::size_t k = 0; k < moments.size(); ++k)
+        for (EpipolarSample& s : moments[k].samples) s.error_px -= gaps_s[k] * s.rate_px_s;
+    return moments;
+}
+
 StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
     StereoDelay result;
     std::vector<EpipolarSample> samples;
@@ -202,6 +217,7 @@ StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
     const Model& model = fitted.model;
     result.delay_s = model[0];
     result.spread_px = median_residual_px(model, samples);
+    result.loss_px2 = mean_loss_px2(model, samples);
     result.rate_px_s = median_abs(samples, [](const EpipolarSample& s) { return s.rate_px_s; });
     result.flow_px_s = median_abs(samples, [](const EpipolarSample& s) { return s.flow_px_s; });
     result.speed_m_s = median_abs(samples, [](const EpipolarSample& s) { return s.speed_m_s; });

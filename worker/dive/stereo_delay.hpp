@@ -18,6 +18,7 @@ struct StereoDelay {
     // again. nullopt: too few corners to tell.
     std::optional<double> share_fitting;
     double spread_px = 0.0;  // median distance from the prediction, all samples
+    double loss_px2 = 0.0;   // mean robust loss: compares two estimates from the same images
     double rate_px_s = 0.0;  // median of the absolute rates: what the delay is measured by
     double flow_px_s = 0.0;  // median of the absolute flow along the baseline
     double speed_m_s = 0.0;  // median
@@ -29,6 +30,11 @@ struct StereoDelay {
     // show up to 1.2 ms, as their calibrations are not exact.
     bool is_significant() const;
 };
+
+// Returns the moments without the motion during a known gap between the exposures of each, so that
+// the delay estimated from them is the one beyond the gaps.
+std::vector<EpipolarMoment> without_gaps(std::vector<EpipolarMoment> moments,
+                                         const std::vector<double>& gaps_s);
 
 // Estimates the delay together with a constant misalignment of the pair (pitch, roll and vertical
 // scale, as the right camera sees them), robustly. Empty moments are ignored.

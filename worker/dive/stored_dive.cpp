@@ -119,11 +119,10 @@ void StoredDive::pair_images() {
     if (!contents_.has_rig)
         contents_.frames.pairs =
             match_pairs(images.left, images.right, {}, common_clock_tolerance_ns(images.left));
-    if (const StereoDelay& delay = contents_.frames.delay; delay.is_significant()) {
-        contents_.rig.right_delay_s = delay.delay_s;
+    const StereoDelay& delay = contents_.frames.delay;
+    if (delay.is_significant() || contents_.frames.uses_gaps())
         contents_.rig.right_delay_baseline_sigma =
             delay.sigma_s * delay.speed_m_s / contents_.rig.baseline_m();
-    }
     report_pairs(contents_.frames, images, contents_.rig.baseline_m(), findings_);
 }
 
@@ -206,9 +205,11 @@ std::optional<types::StereoFrame> StoredDive::frame(int index) const {
 }
 
 types::StereoFrame StoredDive::frame_of(LoadedPair pair) const {
+    const FramePair& files = contents_.frames.pairs[static_cast<std::size_t>(pair.index)];
     types::StereoFrame frame;
     frame.index = pair.index;
-    frame.timestamp_ns = contents_.frames.pairs[static_cast<std::size_t>(pair.index)].timestamp_ns;
+    frame.timestamp_ns = files.timestamp_ns;
+    frame.right_delay_s = contents_.frames.right_delay_s(files);
     frame.left = std::move(pair.left.image);
     frame.right = std::move(pair.right.image);
     return frame;

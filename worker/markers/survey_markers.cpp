@@ -19,6 +19,7 @@ namespace {
 // lenses are not known better. All lengths of a reconstruction share it.
 constexpr double kDisparityBias_px = 0.05;
 constexpr std::size_t kPairsAtOnce = 16;
+constexpr double kMaxRightDelay_s = 0.001;  // a diver moves by less than half a millimetre
 
 struct KeyframePair {
     std::size_t keyframe = 0;
@@ -33,6 +34,8 @@ void look_at(const camera::Rectifier& rectifier,
     const types::RectifiedFrame rectified = rectifier.rectify(pair.frame);
     pair.frame = {};
     for (const bool is_right : {false, true}) {
+        // The keyframe's pose is not that of a right image which was exposed at another time.
+        if (is_right && std::abs(rectified.right_delay_s) > kMaxRightDelay_s) continue;
         for (const Tag& tag : find_tags(is_right ? rectified.right : rectified.left, family)) {
             TagView view{tag.id, pair.keyframe, is_right, tag.corners_px};
             if (refined != nullptr)

@@ -9,10 +9,10 @@
 
 namespace divemesh::markers {
 
-// Returns the tags in both rectified images of every keyframe; reads the recording again from its
-// start. `refined` moves the corners to where they would be with the lenses that were refined
-// together with the keyframes' poses; null: the stated lenses. The result does not depend on
-// `num_threads`.
+// Returns the tags in both rectified images of every keyframe, or in the left one alone where the
+// right one was exposed at another time; reads the recording again from its start. `refined` moves
+// the corners to where they would be with the lenses that were refined together with the keyframes'
+// poses; null: the stated lenses. The result does not depend on `num_threads`.
 std::vector<TagView> find_tags_in(types::Recording& recording,
                                   const std::vector<types::Keyframe>& keyframes,
                                   dive::MarkerFamily family,

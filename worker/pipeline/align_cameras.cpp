@@ -72,7 +72,7 @@ public:
         const auto frame = recording_.frame(frame_index);
         if (!frame) return {};
         types::StereoMatches found = features::match_misaligned_stereo(camera::synchronise_pair(
-            rectifier_.rectify(*frame), exposure_motion_at(recording_, rectifier_, frame_index)));
+            rectifier_.rectify(*frame), exposure_motion_at(recording_, rectifier_, *frame)));
         for (types::StereoMatch& match : found) {
             match.left_px = as_stated(0, match.left_px);
             match.right_px = as_stated(1, match.right_px);

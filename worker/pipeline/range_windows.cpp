@@ -36,7 +36,7 @@ public:
     explicit WindowFeatures(const types::RectifiedRig& rig)
         : rig_(rig), num_disparities_px_(rig.width_px / 3), tracker_(rig, kNumFeatures) {}
 
-    // `between`: of a pair whose right image is late, as far as it is known.
+    // `between`: of a pair whose images were not exposed together, as far as it is known.
     void start(const types::RectifiedFrame& recorded,
                const std::optional<types::ExposureMotion>& between) {
         const types::RectifiedFrame frame = camera::synchronise_pair(recorded, between);
@@ -101,8 +101,8 @@ calibration::RangeWindow track_range_window(const types::Recording& recording,
         const types::RectifiedFrame rectified = rectifier.rectify(*frame);
         const double interval_s = base::to_s(frame->timestamp_ns - before_ns);
         if (i == 0)
-            features.start(rectified, exposure_motion_at(recording, rectifier, first_frame));
-        else if (!features.step(rectified, recording.rig().right_delay_s / interval_s))
+            features.start(rectified, exposure_motion_at(recording, rectifier, *frame));
+        else if (!features.step(rectified, frame->right_delay_s / interval_s))
             return {};
         before_ns = frame->timestamp_ns;
     }
@@ -113,17 +113,16 @@ calibration::RangeWindow track_range_window(const types::Recording& recording,
 
 std::optional<types::ExposureMotion> exposure_motion_at(const types::Recording& recording,
                                                         const camera::Rectifier& rectifier,
-                                                        int frame_index) {
-    const double delay_s = recording.rig().right_delay_s;
-    if (delay_s == 0.0 || frame_index + 1 >= recording.num_frames()) return std::nullopt;
-    const auto frame = recording.frame(frame_index);
-    const auto next = recording.frame(frame_index + 1);
-    if (!frame || !next) return std::nullopt;
+                                                        const types::StereoFrame& frame) {
+    if (frame.right_delay_s == 0.0 || frame.index + 1 >= recording.num_frames())
+        return std::nullopt;
+    const auto next = recording.frame(frame.index + 1);
+    if (!next) return std::nullopt;
     WindowFeatures features(rectifier.rig());
-    features.start(rectifier.rectify(*frame), std::nullopt);
+    features.start(rectifier.rectify(frame), std::nullopt);
     if (!features.step(rectifier.rectify(*next), 0.0)) return std::nullopt;
-    const double interval_s = base::to_s(next->timestamp_ns - frame->timestamp_ns);
-    return features.moved_by(delay_s / interval_s);
+    const double interval_s = base::to_s(next->timestamp_ns - frame.timestamp_ns);
+    return features.moved_by(frame.right_delay_s / interval_s);
 }
 
 std::vector<calibration::RangeWindow> track_windows(const types::Recording& recording,

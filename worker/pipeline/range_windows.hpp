@@ -10,12 +10,11 @@
 
 namespace divemesh::pipeline {
 
-// Returns the camera's motion between the exposures of a pair, by features tracked to the next
-// frame; nullopt if the images of a pair are exposed together, or too few features agree on a
-// motion.
+// Returns the camera's motion between the exposures of a frame's images, by features tracked to the
+// next frame; nullopt if the images were exposed together, or too few features agree on a motion.
 std::optional<types::ExposureMotion> exposure_motion_at(const types::Recording& recording,
                                                         const camera::Rectifier& rectifier,
-                                                        int frame_index);
+                                                        const types::StereoFrame& frame);
 
 // Returns features tracked for half a second from each of these frames on, with disparity at both
 // ends, by steps 1 to 4 of the paper. A window in which too few features agree on a motion has no

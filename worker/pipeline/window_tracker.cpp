@@ -29,8 +29,7 @@ WindowTracker::WindowTracker(const types::RectifiedRig& rig,
                              const types::Recording& recording,
                              const ReconstructionOptions& options,
                              const imu::SensorPlan& plan)
-    : right_delay_s_(recording.rig().right_delay_s),
-      state_(rig, recording, options, plan),
+    : state_(rig, recording, options, plan),
       recovery_(state_),
       rest_(rig, state_.inertial, state_.motion),
       aligner_(recording, plan.left_out, plan.time_offset_s),
@@ -45,7 +44,7 @@ types::RectifiedFrame WindowTracker::synchronised(const types::RectifiedFrame& f
                                                   const PredictedMotion& prediction) const {
     const std::int64_t interval_ns = frame.timestamp_ns - state_.motion.timestamp_ns();
     if (!prediction.reliable || interval_ns <= 0) return frame;
-    const double share = right_delay_s_ / base::to_s(interval_ns);
+    const double share = frame.right_delay_s / base::to_s(interval_ns);
     return camera::synchronise_pair(
         frame,
         motion_between_exposures(

@@ -32,8 +32,8 @@ public:
     const imu::SensorWatch& sensors() const { return sensors_; }
 
 private:
-    // Returns the frame with its right image at the time of the left one, if that is late and the
-    // motion is known.
+    // Returns the frame with its right image at the time of the left one, if that was exposed at
+    // another time and the motion is known.
     types::RectifiedFrame synchronised(const types::RectifiedFrame& frame,
                                        const PredictedMotion& prediction) const;
     // Steps 2 to 4, by descriptors where the prediction does not reach.
@@ -55,7 +55,6 @@ private:
                                      const odometry::Registration& vision,
                                      bool kept);
 
-    double right_delay_s_;
     TrackingState state_;
     Recovery recovery_;
     RestWatch rest_;

@@ -6,8 +6,9 @@
 
 namespace divemesh::types {
 
-// The camera's motion between the exposures of a pair's two images, where the right one is late. To
-// first order a point X of the rectified left camera is at X + rotation x X + translation by then.
+// The camera's motion from the exposure of a pair's left image to that of its right one, which may
+// be the earlier one. To first order a point X of the rectified left camera is at
+// X + rotation x X + translation by then.
 struct ExposureMotion {
     RectifiedRig rig;
     Eigen::Vector3d rotation_rad = Eigen::Vector3d::Zero();

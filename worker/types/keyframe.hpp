@@ -28,8 +28,9 @@ struct RectifiedFrame {
     // CV_8UC1, 255 where `left` shows a fixed pattern (Recording::fixed_pattern()) instead of the
     // scene; empty: nowhere.
     cv::Mat fixed_pattern = {};
-    // Set if `right` was exposed later and is warped to the time of `left`.
+    // Set if `right` was exposed at another time and is warped to the time of `left`.
     std::optional<ExposureMotion> between = std::nullopt;
+    double right_delay_s = 0.0;  // of StereoFrame
 
     // Returns false where the left image shows a fixed pattern.
     bool shows_scene(const Eigen::Vector2d& pixel) const {

@@ -35,6 +35,7 @@ struct StereoFrame {
     std::int64_t timestamp_ns = 0;
     cv::Mat left;
     cv::Mat right;
+    double right_delay_s = 0.0;  // of the right image's exposure; negative: before the left one's
 };
 
 // The pose of the body at a time.

@@ -23,11 +23,9 @@ struct Rig {
     Eigen::Isometry3d T_imu_cam0 = Eigen::Isometry3d::Identity();
     Eigen::Isometry3d T_imu_cam1 = Eigen::Isometry3d::Identity();
     std::optional<ImuNoise> imu_noise;  // nullopt if the dive has no IMU
-    // Delay of the exposure of right images after left ones, estimated from the images; 0: no
-    // significant delay.
-    double right_delay_s = 0.0;
-    // Its standard deviation times the median speed of the rig, relative to the baseline: a delay
-    // that is not known acts like another baseline where the rig moves along it.
+    // The standard deviation of the part of StereoFrame::right_delay_s that all frames share, times
+    // the median speed of the rig, relative to the baseline: a delay that is not known acts like
+    // another baseline where the rig moves along it.
     double right_delay_baseline_sigma = 0.0;
 
     Eigen::Isometry3d T_cam1_cam0() const { return T_imu_cam1.inverse() * T_imu_cam0; }

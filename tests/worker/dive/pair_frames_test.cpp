@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -74,6 +75,15 @@ struct Recorded {
     double right_late_s = 0.0;   // exposure of the right images after the left ones
     double right_clock_s = 0.0;  // difference of its clock at the start
     double right_drift = 0.0;
+    double right_period_ratio = 1.0;  // of the right camera's period to that of the left one
+    double trigger_jitter_s = 0.0;    // of the right camera
+    double stamp_jitter_s = 0.0;      // of its timestamps alone
+
+    // Returns the jitter of a frame in multiples of its size.
+    static double jitter(int frame) {
+        constexpr std::array<double, 4> kPattern = {-1.0, 1.0, 0.0, 0.0};
+        return kPattern[static_cast<std::size_t>(frame % 4)];
+    }
 };
 
 class PairFramesTest : public testing::Test {
@@ -82,9 +92,12 @@ protected:
         CameraImages images;
         for (int i = 0; i < recorded.num_frames; ++i) {
             const double left_s = i * recorded.period_s;
-            const double right_s = left_s + recorded.right_late_s;
-            const double right_stamp_s =
-                right_s + recorded.right_clock_s + recorded.right_drift * right_s;
+            const double jitter = Recorded::jitter(i);
+            const double right_s = left_s * recorded.right_period_ratio + recorded.right_late_s +
+                                   jitter * recorded.trigger_jitter_s;
+            const double right_stamp_s = right_s + recorded.right_clock_s +
+                                         recorded.right_drift * right_s +
+                                         jitter * recorded.stamp_jitter_s;
             images.left.push_back({stamp_ns(left_s), std::to_string(left_s)});
             images.right.push_back({stamp_ns(right_stamp_s), std::to_string(right_s)});
         }
@@ -101,12 +114,25 @@ protected:
         return kStart_ns + static_cast<std::int64_t>(std::llround(time_s * 1e9));
     }
 
+    // Returns how much later the right image of a pair was exposed, by what really happened.
+    static double true_delay_s(const FramePair& pair) {
+        return std::stod(pair.right) - std::stod(pair.left);
+    }
+
     // Returns the largest time between the exposures of a pair, by what really happened.
     static double max_apart_s(const PairedFrames& frames) {
         double apart_s = 0.0;
         for (const FramePair& pair : frames.pairs)
-            apart_s = std::max(apart_s, std::abs(std::stod(pair.left) - std::stod(pair.right)));
+            apart_s = std::max(apart_s, std::abs(true_delay_s(pair)));
         return apart_s;
+    }
+
+    // Returns the largest error of what is known of that time.
+    static double max_delay_error_s(const PairedFrames& frames) {
+        double error_s = 0.0;
+        for (const FramePair& pair : frames.pairs)
+            error_s = std::max(error_s, std::abs(frames.right_delay_s(pair) - true_delay_s(pair)));
+        return error_s;
     }
 
     static FindingLog report(const PairedFrames& frames, const CameraImages& images) {
@@ -182,11 +208,81 @@ TEST_F(PairFramesTest, CamerasThatFireApartAreSaidWithTheSizeOfIt) {
 
         EXPECT_NEAR(frames.delay.delay_s, late_s, 2e-3);
         EXPECT_EQ(frames.pairs.size(), 80U);
+        for (const FramePair& pair : frames.pairs)
+            EXPECT_EQ(frames.right_delay_s(pair), frames.delay.delay_s);
         EXPECT_THAT(report(frames, images).all(),
                     HasFinding(Severity::Warning,
                                "frames_unsynchronised",
                                late_s > 0 ? "ms after the left" : "ms before the left"));
     }
+}
+
+// The gap sweeps from nothing to half a period and on from minus that, in time with the beat.
+TEST_F(PairFramesTest, TheGapOfEachPairIsKnownOfCamerasThatRunFree) {
+    for (const int rate_hz : {10, 30}) {
+        Recorded recorded;
+        recorded.num_frames = 8 * rate_hz;
+        recorded.period_s = 1.0 / rate_hz;
+        recorded.right_period_ratio = 1.0 + 1.0 / recorded.num_frames;
+        const CameraImages images = record(recorded);
+
+        const PairedFrames frames = pair_frames(images, rig());
+
+        EXPECT_EQ(frames.gaps, PairGaps::Confirmed) << rate_hz;
+        EXPECT_TRUE(frames.clocks.is_zero()) << rate_hz;
+        EXPECT_GE(std::ssize(frames.pairs), recorded.num_frames - 2);
+        EXPECT_GT(max_apart_s(frames), 0.45 * recorded.period_s);
+        EXPECT_LT(max_delay_error_s(frames), 1e-5) << rate_hz;
+        const auto told = report(frames, images).all();
+        EXPECT_THAT(
+            told, HasFinding(Severity::Warning, "frames_unsynchronised", "as the images confirm"));
+        EXPECT_THAT(told, testing::Not(HasFinding(Severity::Warning, "camera_clocks_differ", "")));
+    }
+}
+
+TEST_F(PairFramesTest, PairsOfATriggerThatJittersAreKeptWithTheirGaps) {
+    Recorded recorded;
+    recorded.trigger_jitter_s = 0.008;
+    const CameraImages images = record(recorded);
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.pairs.size(), 80U);
+    EXPECT_EQ(frames.gaps, PairGaps::Confirmed);
+    EXPECT_LT(max_delay_error_s(frames), 1e-5);
+    EXPECT_THAT(report(frames, images).all(),
+                HasFinding(Severity::Warning, "frames_unsynchronised", "8.0 ms at most"));
+}
+
+TEST_F(PairFramesTest, TimestampsThatJitterAloneAreContradictedByTheImages) {
+    Recorded recorded;
+    recorded.stamp_jitter_s = 0.008;
+    const CameraImages images = record(recorded);
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.pairs.size(), 80U);
+    EXPECT_EQ(frames.gaps, PairGaps::Contradicted);
+    EXPECT_LT(max_delay_error_s(frames), 1e-6);
+    EXPECT_THAT(report(frames, images).all(),
+                HasFinding(Severity::Warning, "frames_unsynchronised", "the images fit better"));
+}
+
+// As of two videos: both number their frames at the nominal rate, and one camera is slower.
+TEST_F(PairFramesTest, TheGapThatGrowsBetweenNominalTimestampsIsFoundAsADrift) {
+    Recorded recorded;
+    recorded.num_frames = 160;
+    recorded.right_period_ratio = 1.0025;  // 40 ms over the dive
+    recorded.right_drift = 1.0 / recorded.right_period_ratio - 1.0;
+    const CameraImages images = record(recorded);
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.gaps, PairGaps::Confirmed);
+    EXPECT_GT(max_apart_s(frames), 0.035);
+    EXPECT_LT(max_delay_error_s(frames), 0.006);
+    EXPECT_THAT(report(frames, images).all(),
+                HasFinding(Severity::Warning, "frames_unsynchronised", "varies from pair to pair"));
 }
 
 TEST_F(PairFramesTest, TheSigmaOfADelayHolds) {

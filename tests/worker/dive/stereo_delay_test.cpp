@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -33,6 +34,7 @@ struct Truth {
     double pitch_deg = 0.0;
     double roll_deg = 0.0;
     double delay_s = 0.0;
+    std::array<double, 8> gaps_s = {};  // by which each moment's image is later still
 
     Eigen::Matrix3d R_stated_true() const {
         constexpr double kRadPerDeg = std::numbers::pi / 180.0;
@@ -58,6 +60,7 @@ std::vector<EpipolarMoment> driving(const Truth& truth) {
     std::vector<EpipolarMoment> moments(8);
     for (std::size_t k = 0; k < moments.size(); ++k) {
         const double speed_m_s = 8.0 + 0.5 * static_cast<double>(k);
+        const double right_later_s = truth.delay_s + truth.gaps_s[k];
         moments[k].num_corners = 150;
         for (int i = 0; i < 150; ++i) {
             const double depth_m = 12.0 + 6.0 * uniform(random);
@@ -68,7 +71,7 @@ std::vector<EpipolarMoment> driving(const Truth& truth) {
             };
             const Eigen::Vector3d p_right =
                 truth.R_stated_true().transpose() *
-                (ahead_by(truth.delay_s) - rig.T_imu_cam1.translation());
+                (ahead_by(right_later_s) - rig.T_imu_cam1.translation());
             cv::Point2f in_right = pixel(rig.cam1, p_right);
             in_right.y += static_cast<float>(noise_px(random));
             const Eigen::Vector3d left = rays.left(pixel(rig.cam0, p));
@@ -110,6 +113,20 @@ TEST(StereoDelayTest, FindsTheDelayOfAMisalignedCamera) {
                     << "pitch " << pitch_deg << ", roll " << roll_deg << ", " << delay_s << " s";
                 EXPECT_NEAR(delay.delay_s, delay_s, 0.25 * std::abs(delay_s) + 5e-4);
             }
+}
+
+TEST(StereoDelayTest, FindsTheDelayBeyondGapsThatVary) {
+    const std::array<double, 8> gaps_s = {0.02, -0.015, 0.01, -0.005, 0.005, -0.01, 0.015, -0.02};
+    for (const double delay_s : {0.0, 0.008}) {
+        const auto moments = driving({.pitch_deg = 0.4, .delay_s = delay_s, .gaps_s = gaps_s});
+
+        const StereoDelay beyond =
+            estimate_delay(without_gaps(moments, {gaps_s.begin(), gaps_s.end()}));
+
+        EXPECT_EQ(beyond.is_significant(), delay_s > 0.0);
+        EXPECT_NEAR(beyond.delay_s, delay_s, 0.25 * delay_s + 1.5e-3);
+        EXPECT_LT(beyond.loss_px2, 0.5 * estimate_delay(moments).loss_px2) << delay_s;
+    }
 }
 
 // Returns what a camera sees that is too slow for features to be found in its next image.

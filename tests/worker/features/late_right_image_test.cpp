@@ -25,7 +25,11 @@ protected:
             Eigen::AngleAxisd(0.008, Eigen::Vector3d(0.5, -0.4, 0.77).normalized()));
         T_later_now_.translation() << -0.012, -0.008, -0.015;
         frame_.left = look(T_world_cam_);
-        frame_.right = look(T_world_cam_ * T_later_now_.inverse() *
+        expose_right(T_later_now_);
+    }
+
+    void expose_right(const Eigen::Isometry3d& T_then_now) {
+        frame_.right = look(T_world_cam_ * T_then_now.inverse() *
                             Eigen::Translation3d(rig_.baseline_m, 0.0, 0.0));
     }
 
@@ -37,10 +41,11 @@ protected:
     double true_disparity_px(double u_px, double v_px) const {
         return rig_.disparity_px(SeaFloor::seen_at(T_world_cam_, u_px, v_px).z());
     }
-    types::RectifiedFrame synchronised() const {
+    // `share`: of the motion T_later_now_ lies between the exposures.
+    types::RectifiedFrame synchronised(double share = 1.0) const {
         const double compensated_px = true_disparity_px(160.0, 120.0);
         return camera::synchronise_pair(
-            frame_, camera::exposure_motion(rig_, T_later_now_, 1.0, compensated_px));
+            frame_, camera::exposure_motion(rig_, T_later_now_, share, compensated_px));
     }
     // Returns the errors of the disparities found at a grid of features.
     std::vector<double> errors_px(const types::RectifiedFrame& frame) const {
@@ -71,6 +76,22 @@ TEST_F(LateRightImageTest, DisparitiesAreThoseOfTheLeftImagesTime) {
     const auto num_right = static_cast<std::size_t>(
         std::count_if(recorded.begin(), recorded.end(), [](double error) { return error < 1.0; }));
     EXPECT_LT(2 * num_right, compensated.size());
+}
+
+// With two cameras that run free the right image is the earlier one of some pairs.
+TEST_F(LateRightImageTest, EachPairIsCompensatedByItsOwnGap) {
+    const Eigen::AngleAxisd rotation(T_later_now_.linear());
+    for (const double share : {-1.0, -0.5, 0.25, 0.75}) {
+        Eigen::Isometry3d T_then_now = Eigen::Isometry3d::Identity();
+        T_then_now.rotate(Eigen::AngleAxisd(share * rotation.angle(), rotation.axis()));
+        T_then_now.translation() = share * T_later_now_.translation();
+        expose_right(T_then_now);
+
+        const std::vector<double> compensated = errors_px(synchronised(share));
+
+        ASSERT_GE(compensated.size(), 40U) << share;
+        EXPECT_LT(stats::median(compensated), 0.1) << share;
+    }
 }
 
 TEST_F(LateRightImageTest, DenseDisparitiesAreCorrectedAlike) {
