@@ -17,18 +17,6 @@ namespace {
 
 using nlohmann::json;
 
-// Returns the frames of the segment with the most frames, by metrics.json.
-types::Trajectory largest_segment(const io::ReconstructionFolder& reconstruction) {
-    types::Trajectory trajectory = reconstruction.trajectory();
-    const auto segments = reconstruction.segments();
-    if (segments.size() < 2) return trajectory;
-    const types::TrackingSegment& largest = segments[evaluation::number_of_largest(segments)];
-    std::erase_if(trajectory, [&](const types::StampedPose& pose) {
-        return !largest.contains(pose.timestamp_ns);
-    });
-    return trajectory;
-}
-
 evaluation::RegisteredTruth register_for(const types::Trajectory& path,
                                          const io::TrajectoryFile& truth,
                                          const TruthOptions& options) {
@@ -48,7 +36,8 @@ public:
               ReportMeasurements& result)
         : inputs_(inputs), request_(request), result_(result) {
         result_.document = inputs.reconstruction.metrics();
-        result_.path = largest_segment(inputs.reconstruction);
+        result_.path = evaluation::within_largest(inputs.reconstruction.trajectory(),
+                                                  inputs.reconstruction.segments());
         result_.findings = inputs.findings;
     }
 
@@ -105,7 +94,10 @@ void Measuring::compare_trajectories() try {
     if (std::filesystem::exists(inputs_.reconstruction.path() / "trajectory_causal.tum") &&
         !options.pair_by_index)
         section["causal"] = known_sections(evaluation::to_metrics(evaluation::trajectory_error(
-            inputs_.reconstruction.causal_trajectory(), poses, options)));
+            evaluation::within_largest(inputs_.reconstruction.causal_trajectory(),
+                                       inputs_.reconstruction.segments()),
+            poses,
+            options)));
     result_.document["truth"] = evaluation::to_metrics(registration, request_.truth);
 } catch (const Error& error) {
     if (error.code() != ErrorCode::BadData) throw;
