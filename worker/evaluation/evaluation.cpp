@@ -53,7 +53,8 @@ void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluatio
                          input.covariances,
                          input.scale_sigma,
                          segments_of(input.trajectory, input.keyframes, input.breaks_ns),
-                         input.readout_time_s};
+                         input.readout_time_s,
+                         input.contradiction_sigma};
     if (!has_truth) {
         evaluation.known_distances =
             measure_known_distances(input.known_distances, nullptr, input.rig, path);

@@ -4,6 +4,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/base/atomic_file.hpp"
+#include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/evaluation/trajectory_error.hpp"
 #include "worker/io/csv_cell.hpp"
 #include "worker/io/trajectory_file.hpp"
@@ -27,9 +28,18 @@ MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction) {
         options.camera_positions_world.push_back(pose.T_world_imu.translation());
     options.focal_px = number_at(reconstruction.metrics(), "/calibration/focal_px/0");
     options.min_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
+    options.scale_sigma = reconstruction.scale_sigma();
     options.sigma_shared_m =
         number_at(reconstruction.metrics(), "/expected_accuracy/surface/sigma_shared_m");
     return options;
+}
+
+types::Mesh mesh_to_measure(const io::ReconstructionFolder& reconstruction) {
+    return evaluation::with_scale_sigma(
+        reconstruction.mesh(),
+        reconstruction.trajectory(),
+        evaluation::contradiction_sigma(reconstruction.scale_contradiction()),
+        0.0);
 }
 
 AreaSet areas_in_world(const AreaSet& set,
@@ -51,7 +61,7 @@ json measure_reconstruction(const MeasureRequest& request) {
     areas = areas_in_world(areas, reconstruction.trajectory(), truth);
     MeasureOptions options = measure_options(reconstruction);
     options.num_threads = request.num_threads;
-    return measure_areas(reconstruction.mesh(), areas, options);
+    return measure_areas(mesh_to_measure(reconstruction), areas, options);
 }
 
 std::string metrics_csv(const json& metrics) {

@@ -10,9 +10,13 @@
 
 namespace divemesh::reef {
 
-// Returns options with the reconstruction's own resolution: positions of the body, focal length,
-// voxels.
+// Returns options with the reconstruction's own resolution and errors: positions of the body, focal
+// length, voxels, scale.
 MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction);
+
+// Returns the mesh with the sigmas that make its shape uncertain. Another scale would not: it is in
+// the options' scale_sigma.
+types::Mesh mesh_to_measure(const io::ReconstructionFolder& reconstruction);
 
 // Returns areas in the world frame. Areas in the ground truth's frame are transformed by the SE(3)
 // that aligns the reconstruction's poses with the true ones (T_reference_surface). Throws

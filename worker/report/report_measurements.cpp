@@ -6,6 +6,7 @@
 #include "schemas/error.hpp"
 #include "worker/evaluation/known_distances.hpp"
 #include "worker/evaluation/relative_pose_error.hpp"
+#include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/evaluation/surface_index.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
 #include "worker/markers/world_scale.hpp"
@@ -181,10 +182,12 @@ void Measuring::measure_distances() {
     }
     const types::Trajectory trajectory = inputs_.reconstruction.trajectory();
     const types::CovarianceTrack covariances = inputs_.reconstruction.covariances();
-    const evaluation::KnownPath path{trajectory,
-                                     covariances,
-                                     inputs_.reconstruction.scale_sigma(),
-                                     inputs_.reconstruction.segments()};
+    const evaluation::KnownPath path{.trajectory = trajectory,
+                                     .covariances = covariances,
+                                     .scale_sigma = inputs_.reconstruction.scale_sigma(),
+                                     .segments = inputs_.reconstruction.segments(),
+                                     .contradiction_sigma = evaluation::contradiction_sigma(
+                                         inputs_.reconstruction.scale_contradiction())};
     evaluation::KnownDistanceErrors errors;
     if (has_truth) {
         std::vector<std::int64_t> timestamps_ns;
@@ -222,7 +225,8 @@ void Measuring::measure_reef() {
     }
     reef::MeasureOptions options = reef::measure_options(inputs_.reconstruction);
     options.num_threads = request_.num_threads;
-    result_.reef = reef::measure_areas(inputs_.reconstruction.mesh(), areas, options);
+    result_.reef =
+        reef::measure_areas(reef::mesh_to_measure(inputs_.reconstruction), areas, options);
 }
 
 void add_distance_errors(json& document) {
