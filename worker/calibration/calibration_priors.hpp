@@ -19,6 +19,7 @@ constexpr double kAlignedRotationSigma = 1.5e-4;  // rad
 constexpr double kImuRotationSigma_rad = 4.4e-3;
 constexpr double kLeverArmSigma_m = 2e-3;  // of the cameras on the IMU, along each axis
 constexpr double kTimeOffsetSigma_s = 4e-3;
+constexpr double kRateErrorSigma = 0.02;  // of a gyroscope that nobody calibrated, relative
 
 // Returns the changes of the left and of the right lens as one vector.
 LensChanges joined(const std::array<types::LensChange, 2>& lenses);

@@ -35,7 +35,6 @@ constexpr double kMinWalk = 1e-6;   // rad/s
 constexpr double kBiasSigma = 0.1;  // rad/s
 constexpr double kOffsetSigma_s = 0.03;
 constexpr double kRotationSigma_rad = 0.035;
-constexpr double kRateErrorSigma = 0.02;  // of a sensor that nobody calibrated
 constexpr double kReadoutSigma_s = 0.03;  // a frame takes 33 ms at the usual rate
 // The prior of a step between keyframes. It is so wide that it has no effect where anything else
 // constrains the step.

@@ -155,6 +155,16 @@ Eigen::Matrix3d of_imu_rotation(const types::Rig& rig,
            left_out * left_out.transpose();
 }
 
+Eigen::Matrix3d of_rate_error(const types::Rig& rig, const types::RefinedCalibration& calibration) {
+    if (!rig.imu_noise) return Eigen::Matrix3d::Zero();
+    if (calibration.rate_error_sigma.isZero())
+        return kRateErrorSigma * kRateErrorSigma * Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d left_out =
+        calibration.imu.rate_error - calibration.applied_alignment().rate_error;
+    return Eigen::Matrix3d(calibration.rate_error_sigma.cwiseAbs2().asDiagonal()) +
+           left_out * left_out.transpose();
+}
+
 double of_medium(const types::RigAlignment& alignment) {
     if (alignment.change.medium.is_none()) return 0.0;
     return alignment.applied ? kMediumSigma : kWrongMediumSigma;
@@ -198,6 +208,7 @@ optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& r
             .diagonal()
             .setConstant(kLeverArmSigma_m * kLeverArmSigma_m);
     result.time_offset_sigma_s = of_time_offset(rig, refined.calibration);
+    result.rate_error_covariance = of_rate_error(rig, refined.calibration);
     return result;
 }
 

@@ -54,6 +54,20 @@ void ImageSurvey::report(std::int64_t num_frames, FindingLog& findings) const {
     report_black("cam1", num_black_right_, num_frames_, findings);
 }
 
+ImageSurvey survey_images(types::Recording& recording, const base::ProgressCallback& progress) {
+    ImageSurvey survey(recording.num_frames());
+    Progress state;
+    state.num_frames = recording.num_frames();
+    while (const auto frame = recording.next_frame()) {
+        survey.add(*frame);
+        state.frames_done = frame->index + 1;
+        state.fraction =
+            static_cast<double>(state.frames_done) / static_cast<double>(state.num_frames);
+        progress(state);
+    }
+    return survey;
+}
+
 std::string thumbnail_jpeg(const cv::Mat& image) {
     const int width = std::min(kThumbnailWidth_px, image.cols);
     const int height = std::max(1, image.rows * width / image.cols);

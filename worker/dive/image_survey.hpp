@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "worker/base/observer.hpp"
 #include "worker/dive/finding_log.hpp"
 #include "worker/types/recording.hpp"
 
@@ -28,6 +29,9 @@ private:
     std::int64_t num_black_right_ = 0;
     std::optional<int> nearest_;  // so far
 };
+
+// Reads the rest of a recording. Reports `frames_done` and `fraction` to `progress`.
+ImageSurvey survey_images(types::Recording& recording, const base::ProgressCallback& progress);
 
 // Returns a JPEG, 320 px wide.
 std::string thumbnail_jpeg(const cv::Mat& image);

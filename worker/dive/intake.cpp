@@ -20,17 +20,8 @@ base::ProgressCallback part(const base::ProgressCallback& progress, double begin
     };
 }
 
-void survey_images(StoredDive& dive, IntakeReport& report, const base::ProgressCallback& progress) {
-    ImageSurvey survey(dive.num_frames());
-    Progress state;
-    state.num_frames = dive.num_frames();
-    while (const auto frame = dive.next_frame()) {
-        survey.add(*frame);
-        state.frames_done = frame->index + 1;
-        state.fraction =
-            static_cast<double>(state.frames_done) / static_cast<double>(state.num_frames);
-        progress(state);
-    }
+void report_images(StoredDive& dive, IntakeReport& report, const base::ProgressCallback& progress) {
+    const ImageSurvey survey = survey_images(dive, progress);
     survey.report(dive.rig().cam0.width_px > 0 ? dive.num_frames() : 0, dive.log());
     if (const auto middle = survey.middle_frame())
         report.thumbnail_jpeg = thumbnail_jpeg(dive.left_in_color(*middle));
@@ -55,7 +46,7 @@ void examine(StoredDive& dive,
     report.duration_s = dive.duration_s();
     dive.hash_contents(part(progress, 0.3, 0.1));
     report.content_sha256 = dive.content_sha256();
-    survey_images(dive, report, part(progress, 0.4, 0.55));
+    report_images(dive, report, part(progress, 0.4, 0.55));
     report.findings = dive.findings();
     if (!check || has_error(report.findings)) return;
     const auto checked = check(dive, part(progress, 0.95, 0.05));

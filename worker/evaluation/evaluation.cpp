@@ -9,11 +9,12 @@ namespace divemesh::evaluation {
 namespace {
 
 void add_trajectory_errors(const EvaluationInput& input, Evaluation& evaluation) {
+    const auto segments = segments_of(input.trajectory, input.keyframes, input.breaks_ns);
     try {
         evaluation.trajectory =
-            trajectory_error(largest_segment(input.trajectory, input.keyframes, input.breaks_ns),
-                             input.ground_truth);
-        evaluation.causal = trajectory_error(input.causal, input.ground_truth);
+            trajectory_error(within_largest(input.trajectory, segments), input.ground_truth);
+        evaluation.causal =
+            trajectory_error(within_largest(input.causal, segments), input.ground_truth);
         evaluation.covariance =
             check_covariances(input.trajectory, input.covariances, input.ground_truth);
     } catch (const Error& error) {
@@ -52,7 +53,8 @@ void add_known_distances(const EvaluationInput& input, bool has_truth, Evaluatio
                          input.covariances,
                          input.scale_sigma,
                          segments_of(input.trajectory, input.keyframes, input.breaks_ns),
-                         input.readout_time_s};
+                         input.readout_time_s,
+                         input.contradiction_sigma};
     if (!has_truth) {
         evaluation.known_distances =
             measure_known_distances(input.known_distances, nullptr, input.rig, path);

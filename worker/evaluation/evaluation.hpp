@@ -28,6 +28,7 @@ struct EvaluationInput {
     int num_threads = 0;
     double scale_sigma = types::kCalibrationSigma;  // of the final trajectory
     double readout_time_s = 0.0;                    // of a rolling shutter
+    double contradiction_sigma = 0.0;               // as in KnownPath
 };
 
 // The result compared with the ground truth that the dive contains; parts without ground truth are

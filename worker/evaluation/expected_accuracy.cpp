@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "worker/base/text.hpp"
+#include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
-#include "worker/stats/distributions.hpp"
 
 namespace divemesh::evaluation {
 namespace {
@@ -35,13 +35,18 @@ void add_trajectory(const ExpectedAccuracyInput& input, ExpectedAccuracy& expect
         expected.left_out.push_back(
             {"trajectory.loops", "no place was recognised again, so the drift cannot be checked"});
     }
-    const types::PathUncertainty& path = input.optimise.path;
-    const Eigen::Matrix3d& end_m2 = input.covariances.back().position_m2;
-    expected.end_expected_m = scale * std::sqrt(end_m2.trace());
-    expected.end_bound_m = scale * std::sqrt(optimisation::squared_length_95(end_m2));
+    types::PathUncertainty path = input.optimise.path;
+    const Eigen::Vector3d by_scale_m = contradiction_sigma(path.scale_contradiction) *
+                                       offsets_from_start(input.trajectory, {}).back();
+    const Eigen::Matrix3d end_m2 =
+        scale * scale * input.covariances.back().position_m2 + by_scale_m * by_scale_m.transpose();
+    expected.end_expected_m = std::sqrt(end_m2.trace());
+    expected.end_bound_m = std::sqrt(optimisation::squared_length_95(end_m2));
+    path.mean_square_m2 *= scale * scale;
+    path = covering_contradiction(path);
     expected.ate_bound_m =
-        scale * std::sqrt(optimisation::quantile_95(path.mean_square_m2, path.degrees_of_freedom));
-    expected.ate_expected_m = scale * std::sqrt(path.mean_square_m2);
+        std::sqrt(optimisation::quantile_95(path.mean_square_m2, path.degrees_of_freedom));
+    expected.ate_expected_m = std::sqrt(path.mean_square_m2);
 }
 
 std::string percent(double share) { return base::fixed(100.0 * share, 1) + " %"; }
@@ -55,9 +60,8 @@ std::string words_for(const std::string& source) {
     return "";
 }
 
-void add_contradiction(const ScaleSource& source, ExpectedAccuracy& expected) {
+void find_contradiction(const ScaleSource& source, ExpectedAccuracy& expected) {
     const double off = source.check.scale - 1.0;
-    expected.contradiction = std::max(expected.contradiction, std::abs(off));
     const std::string words = words_for(source.name);
     if (words.empty()) return;
     expected.findings.push_back({Severity::Warning,
@@ -74,41 +78,12 @@ void add_contradiction(const ScaleSource& source, ExpectedAccuracy& expected) {
 
 void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     const types::PathUncertainty& path = input.optimise.path;
-    if (path.scale_sigma > 0.0) expected.cameras = ScaleCheck{1.0, path.scale_sigma};
-    expected.scales = input.scale.usable;
-    for (ScaleSource& source : expected.scales) {
-        source.check.sigma = std::hypot(source.check.sigma, path.scale_sigma_or_typical());
-        if (is_contradicted(source.check)) add_contradiction(source, expected);
-    }
+    if (path.scale_sigma > 0.0) expected.cameras = ScaleCheck{1.0, lengths_sigma(path)};
+    expected.scales = against_path(input.scale.usable, path);
+    for (const ScaleSource& source : expected.scales)
+        if (is_contradicted(source.check)) find_contradiction(source, expected);
     expected.left_out.insert(
         expected.left_out.end(), input.scale.left_out.begin(), input.scale.left_out.end());
-}
-
-// Adds, where sensors contradict the scale of the cameras, what the positions would be off by if
-// the sensors were right.
-void cover_contradiction(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
-    if (expected.contradiction <= 0.0) return;
-    if (expected.cameras)
-        expected.cameras->sigma =
-            std::hypot(expected.cameras->sigma, expected.contradiction / stats::kNormal975);
-    if (!expected.ate_bound_m || input.trajectory.empty()) return;
-    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    for (const types::StampedPose& pose : input.trajectory)
-        centre += pose.T_world_imu.translation() / static_cast<double>(input.trajectory.size());
-    double squares_m2 = 0.0;
-    for (const types::StampedPose& pose : input.trajectory)
-        squares_m2 += (pose.T_world_imu.translation() - centre).squaredNorm();
-    const double spread_m = std::sqrt(squares_m2 / static_cast<double>(input.trajectory.size()));
-    const double way_m = (input.trajectory.back().T_world_imu.translation() -
-                          input.trajectory.front().T_world_imu.translation())
-                             .norm();
-    const auto add = [&](std::optional<double>& value_m, double length_m, double sigmas) {
-        value_m = std::hypot(*value_m, expected.contradiction * length_m / sigmas);
-    };
-    add(expected.ate_bound_m, spread_m, 1.0);
-    add(expected.ate_expected_m, spread_m, stats::kNormal975);
-    add(expected.end_bound_m, way_m, 1.0);
-    add(expected.end_expected_m, way_m, stats::kNormal975);
 }
 
 void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
@@ -125,7 +100,8 @@ void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expe
 void add_surface(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     if (input.mesh) expected.surface = expected_surface(*input.mesh);
     if (input.optimise.path.is_known())
-        expected.surface_shared_m = optimisation::shared_sigma_m(input.optimise.path);
+        expected.surface_shared_m =
+            optimisation::shared_sigma_m(covering_contradiction(input.optimise.path));
     if (expected.surface) return;
     expected.left_out.push_back(
         {"surface",
@@ -155,7 +131,6 @@ ExpectedAccuracy expected_accuracy(const ExpectedAccuracyInput& input) {
     ExpectedAccuracy expected;
     add_trajectory(input, expected);
     add_scale(input, expected);
-    cover_contradiction(input, expected);
     add_residuals_of(input, expected);
     add_surface(input, expected);
     find_large_bounds(input, expected);

@@ -29,7 +29,8 @@ struct ExpectedAccuracyInput {
 
 // The accuracy of a reconstruction as estimated from its own data, without ground truth. Bounds
 // hold in 95 of 100 dives. If loops were closed and the final trajectory misses them by more than
-// their own sigma, the covariances are scaled up accordingly.
+// their own sigma, the covariances are scaled up accordingly. Where a measurement of lengths
+// contradicts the path's scale (PathUncertainty::scale_contradiction), they cover both.
 struct ExpectedAccuracy {
     std::optional<double> end_bound_m;      // last position relative to the first pose
     std::optional<double> end_expected_m;   // the same as RMS over many such dives
@@ -37,9 +38,8 @@ struct ExpectedAccuracy {
     std::optional<double> ate_expected_m;   // the same as RMS over many such dives
     std::optional<double> loop_residual_m;  // RMS over the closed loops
     std::optional<double> covariance_scale;  // of standard deviations, from the loops
-    std::optional<ScaleCheck> cameras;       // scale 1; sigma by calibration and path
-    double contradiction = 0.0;       // largest difference of a sensor's scale that contradicts 1
-    std::vector<ScaleSource> scales;  // with the cameras' own sigma: 1 must be within theirs
+    std::optional<ScaleCheck> cameras;  // scale 1; sigma by calibration, path and contradiction
+    std::vector<ScaleSource> scales;    // with the cameras' own sigma: 1 must be within theirs
     std::optional<double> imu_vision_disagreement_deg;  // RMS per frame
     std::optional<double> reprojection_rms_px;
     std::optional<ExpectedSurface> surface;

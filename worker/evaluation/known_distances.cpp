@@ -8,6 +8,7 @@
 #include "worker/base/nearest_to_rays.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/camera/projection.hpp"
+#include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 #include "worker/optimisation/covariance_between.hpp"
 #include "worker/stats/distributions.hpp"
@@ -179,12 +180,15 @@ double drift_variance_m2(const End& a, const End& b, const types::CovarianceTrac
            range_m * range_m * max_eigenvalue(at_b.rotation_rad2 - at_a.rotation_rad2);
 }
 
-double sigma_of_length_m(const End& a, const End& b, const KnownPath& path) {
+double sigma_of_length_m(const End& a,
+                         const End& b,
+                         const types::CovarianceTrack& drift,
+                         double scale_sigma) {
     const Eigen::Vector3d way = b.p_world - a.p_world;
     const Eigen::Vector3d along = way.stableNormalized();
     return std::sqrt(along.dot((a.scatter_m2 + b.scatter_m2) * along) +
-                     drift_variance_m2(a, b, path.covariances) +
-                     path.scale_sigma * path.scale_sigma * way.squaredNorm());
+                     drift_variance_m2(a, b, drift) +
+                     scale_sigma * scale_sigma * way.squaredNorm());
 }
 
 std::vector<dive::Mark> marks_within(const std::vector<dive::Mark>& marks,
@@ -303,6 +307,11 @@ KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistanc
                                             const MarkingInput* truth,
                                             const types::Rig& rig,
                                             const KnownPath& path) {
+    const types::CovarianceTrack drift =
+        with_scale_sigma(path.covariances,
+                         offsets_from_start(path.trajectory, path.segments),
+                         path.contradiction_sigma,
+                         0.0);
     KnownDistanceErrors errors;
     for (const dive::KnownDistance& known : distances) {
         MarkedEnds marks;
@@ -321,7 +330,8 @@ KnownDistanceErrors measure_known_distances(const std::vector<dive::KnownDistanc
         const auto a = end_of(marks.a, rig, path.trajectory, readout_time_s);
         const auto b = end_of(marks.b, rig, path.trajectory, readout_time_s);
         if (a && b) measured.measured_m = (a->p_world - b->p_world).norm();
-        if (a && b && !path.covariances.empty()) measured.sigma_m = sigma_of_length_m(*a, *b, path);
+        if (a && b && !drift.empty())
+            measured.sigma_m = sigma_of_length_m(*a, *b, drift, path.scale_sigma);
         errors.distances.push_back(measured);
     }
     summarise(errors);

@@ -46,6 +46,9 @@ struct KnownPath {
     double scale_sigma = types::kCalibrationSigma;      // of the path
     std::vector<types::TrackingSegment> segments = {};  // of the trajectory; empty: it is one
     double readout_time_s = 0.0;  // of a rolling shutter; the poses are those of the middle row
+    // The part of scale_sigma that covers a contradiction of the scale: the covariances contain it
+    // too, and it is no drift between the ends of a length.
+    double contradiction_sigma = 0.0;
 };
 
 // Ground truth by which mark_point() finds the keyframes that show a point.

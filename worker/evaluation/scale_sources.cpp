@@ -81,6 +81,22 @@ double covariance_scale(const types::LoopStatistics& loops) {
     return loops.num_accepted > 0 ? std::max(1.0, loops.residual_sigmas) : 1.0;
 }
 
+std::vector<ScaleSource> against_path(std::vector<ScaleSource> sources,
+                                      const types::PathUncertainty& path) {
+    for (ScaleSource& source : sources)
+        source.check.sigma = std::hypot(source.check.sigma, path.scale_sigma_or_typical());
+    return sources;
+}
+
+double scale_contradiction(const std::vector<ScaleSource>& sources,
+                           const types::PathUncertainty& path) {
+    double largest = 0.0;
+    for (const ScaleSource& source : against_path(sources, path))
+        if (is_contradicted(source.check))
+            largest = std::max(largest, std::abs(source.check.scale - 1.0));
+    return largest;
+}
+
 ScaleSources scale_sources(const LengthData& lengths,
                            const types::Trajectory& trajectory,
                            const types::PathUncertainty& path,

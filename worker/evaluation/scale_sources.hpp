@@ -48,6 +48,14 @@ struct ScaleSources {
 // without loops, as there are no residuals then.
 double covariance_scale(const types::LoopStatistics& loops);
 
+// Returns the sources with the sigma of the path's own scale added: 1 should lie within theirs.
+std::vector<ScaleSource> against_path(std::vector<ScaleSource> sources,
+                                      const types::PathUncertainty& path);
+
+// Returns the largest difference from 1 among the sources that contradict the path; 0: none does.
+double scale_contradiction(const std::vector<ScaleSource>& sources,
+                           const types::PathUncertainty& path);
+
 // Returns the scale of a path by each source. The correction of the scale and the report of it both
 // read this.
 ScaleSources scale_sources(const LengthData& lengths,

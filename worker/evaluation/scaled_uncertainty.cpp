@@ -5,7 +5,7 @@
 #include <cmath>
 #include <map>
 
-#include "worker/evaluation/tracking_segments.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::evaluation {
 namespace {
@@ -21,17 +21,19 @@ void remove(const Eigen::Vector3d& error_m, Eigen::Matrix3d& covariance_m2) {
 
 }  // namespace
 
-std::vector<Eigen::Vector3d> offsets_from_start(const types::Trajectory& trajectory,
-                                                const std::vector<types::Keyframe>& keyframes,
-                                                const types::Breaks& breaks_ns) {
+std::vector<Eigen::Vector3d> offsets_from_start(
+    const types::Trajectory& trajectory, const std::vector<types::TrackingSegment>& segments) {
     std::vector<Eigen::Vector3d> ways(trajectory.size(), Eigen::Vector3d::Zero());
     if (trajectory.empty()) return ways;
     const Eigen::Matrix3d R_first_world = trajectory.front().T_world_imu.linear().transpose();
-    const std::vector<std::size_t> numbers = segment_numbers(trajectory, keyframes, breaks_ns);
-    std::map<std::size_t, Eigen::Vector3d> starts_world;
+    std::map<std::ptrdiff_t, Eigen::Vector3d> starts_world;
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
         const Eigen::Vector3d p_world = trajectory[i].T_world_imu.translation();
-        const auto start = starts_world.try_emplace(numbers[i], p_world).first;
+        const auto segment =
+            std::find_if(segments.begin(), segments.end(), [&](const types::TrackingSegment& of) {
+                return of.contains(trajectory[i].timestamp_ns);
+            });
+        const auto start = starts_world.try_emplace(segment - segments.begin(), p_world).first;
         ways[i] = R_first_world * (p_world - start->second);
     }
     return ways;
@@ -42,12 +44,32 @@ types::CovarianceTrack with_scale_sigma(const types::CovarianceTrack& covariance
                                         double from_sigma,
                                         double to_sigma) {
     types::CovarianceTrack result = covariances;
+    if (from_sigma == to_sigma) return result;
     for (std::size_t i = 0; i < std::min(result.size(), offsets_from_start.size()); ++i) {
         const Eigen::Vector3d& way = offsets_from_start[i];
         remove(from_sigma * way, result[i].position_m2);
         result[i].position_m2 += to_sigma * to_sigma * way * way.transpose();
     }
     return result;
+}
+
+types::Mesh with_scale_sigma(types::Mesh mesh,
+                             const types::Trajectory& trajectory,
+                             double from_sigma,
+                             double to_sigma) {
+    if (mesh.normals.empty() || trajectory.empty() || from_sigma == to_sigma) return mesh;
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const types::StampedPose& pose : trajectory)
+        centre += pose.T_world_imu.translation() / static_cast<double>(trajectory.size());
+    const auto centre_world = centre.cast<float>().eval();
+    const auto added = static_cast<float>(to_sigma * to_sigma - from_sigma * from_sigma);
+    for (std::size_t i = 0; i < mesh.sigma_m.size(); ++i) {
+        const float along_m = mesh.normals[i].normalized().dot(mesh.vertices[i] - centre_world);
+        const float variance_m2 = mesh.sigma_m[i] * mesh.sigma_m[i] + added * along_m * along_m;
+        const float noise_m = mesh.sigma_local_m.empty() ? 0.0F : mesh.sigma_local_m[i];
+        mesh.sigma_m[i] = std::max(noise_m, std::sqrt(std::max(0.0F, variance_m2)));
+    }
+    return mesh;
 }
 
 types::PathUncertainty scaled(const types::PathUncertainty& path, double factor, double sigma) {
@@ -73,6 +95,23 @@ types::PathUncertainty scaled(const types::PathUncertainty& path, double factor,
         std::max(1.0,
                  result.mean_square_m2 * result.mean_square_m2 /
                      (std::max(0.0, squares) + after * (after + 2.0 * drift)));
+    return result;
+}
+
+double contradiction_sigma(double scale_contradiction) {
+    return scale_contradiction / stats::kNormal975;
+}
+
+double lengths_sigma(const types::PathUncertainty& path) {
+    return std::hypot(path.scale_sigma_or_typical(), contradiction_sigma(path.scale_contradiction));
+}
+
+types::PathUncertainty covering_contradiction(const types::PathUncertainty& path) {
+    if (path.scale_contradiction == 0.0) return path;
+    const double sigma =
+        std::hypot(path.shared_scale_sigma, contradiction_sigma(path.scale_contradiction));
+    types::PathUncertainty result = scaled(path, 1.0, sigma);
+    result.scale_contradiction = 0.0;
     return result;
 }
 

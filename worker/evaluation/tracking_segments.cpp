@@ -76,14 +76,14 @@ std::size_t number_of_largest(const std::vector<types::TrackingSegment>& segment
     return static_cast<std::size_t>(largest - segments.begin());
 }
 
-types::Trajectory largest_segment(const types::Trajectory& trajectory,
-                                  const std::vector<types::Keyframe>& keyframes,
-                                  const types::Breaks& breaks_ns) {
-    const std::size_t wanted = number_of_largest(segments_of(trajectory, keyframes, breaks_ns));
-    const std::vector<std::size_t> numbers = segment_numbers(trajectory, keyframes, breaks_ns);
-    types::Trajectory result;
-    for (std::size_t i = 0; i < trajectory.size(); ++i)
-        if (numbers[i] == wanted) result.push_back(trajectory[i]);
+types::Trajectory within_largest(const types::Trajectory& trajectory,
+                                 const std::vector<types::TrackingSegment>& segments) {
+    types::Trajectory result = trajectory;
+    if (segments.size() < 2) return result;
+    const types::TrackingSegment& largest = segments[number_of_largest(segments)];
+    std::erase_if(result, [&](const types::StampedPose& pose) {
+        return !largest.contains(pose.timestamp_ns);
+    });
     return result;
 }
 

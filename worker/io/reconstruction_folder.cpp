@@ -216,6 +216,12 @@ double ReconstructionFolder::scale_sigma() const {
     });
 }
 
+double ReconstructionFolder::scale_contradiction() const {
+    return of_file(folder_ / "metrics.json", [&] {
+        return metrics_.value(json::json_pointer("/calibration/scale_contradiction"), 0.0);
+    });
+}
+
 void remove_reconstruction(const fs::path& folder) {
     std::error_code failure;
     const bool is_result = fs::exists(folder / "metrics.json", failure) ||

@@ -61,6 +61,9 @@ public:
     // Returns the rig that the poses belong to; nullopt for files of older versions.
     std::optional<types::Rig> rig() const;
     double scale_sigma() const;  // of all lengths, relative
+    // Returns the relative difference of another measurement of lengths that contradicts the scale,
+    // as scale_sigma(), covariances() and mesh() contain it; 0: none does.
+    double scale_contradiction() const;
 
 private:
     std::filesystem::path folder_;

@@ -24,7 +24,8 @@ namespace divemesh::mesh {
 //
 // sigma_local_m keeps only term 1, noise, which makes the surface rougher; term 2 makes it smoother
 // and term 3 moves all vertices alike. Positions and normals do not change. Not covered: fish and
-// snow taken for surface, and calibration errors beyond the stated ones.
+// snow taken for surface, and calibration errors beyond the stated ones. Where another measurement
+// contradicts the scale, what that would move is added at the end (evaluation::with_scale_sigma).
 void finish_sigma(types::Mesh& mesh, double sigma_poses_m);
 
 }  // namespace divemesh::mesh

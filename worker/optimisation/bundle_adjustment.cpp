@@ -11,6 +11,7 @@
 #include <ceres/sphere_manifold.h>
 #include <cmath>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/optimisation/ceres_outcome.hpp"
 #include "worker/optimisation/levenberg_marquardt.hpp"
 #include "worker/optimisation/reduced_information.hpp"
@@ -39,21 +40,27 @@ Eigen::Index num_errors(const CalibrationUncertainty& calibration) {
     return calibration.shift_px ? calibration.covariance.rows() : 0;
 }
 
+// Returns L with L L^T the covariance.
+Eigen::MatrixXd root_of(const Eigen::MatrixXd& covariance) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(covariance);
+    return parts.eigenvectors() * parts.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+}
+
 // Returns L with L L^T the covariance of all errors, those of the cameras first, then the residual
-// field's, then the clock's.
+// field's, the clock's and the gyroscope's.
 Eigen::MatrixXd root_of(const CalibrationUncertainty& calibration,
                         double field_sigma_px,
-                        bool timed) {
+                        const SharedJacobian& jacobian) {
     const Eigen::Index num = num_errors(calibration);
-    const Eigen::Index size = num + kFieldSize + (timed ? 1 : 0);
+    const Eigen::Index num_cameras = num + kFieldSize;
+    const Eigen::Index size = num_cameras + jacobian.num_sensor_columns();
     Eigen::MatrixXd root = Eigen::MatrixXd::Zero(size, size);
-    if (num > 0) {
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> parts(calibration.covariance);
-        root.topLeftCorner(num, num) =
-            parts.eigenvectors() * parts.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
-    }
+    if (num > 0) root.topLeftCorner(num, num) = root_of(calibration.covariance);
     root.diagonal().segment<kFieldSize>(num).setConstant(field_sigma_px);
-    if (timed) root(size - 1, size - 1) = calibration.time_offset_sigma_s;
+    if (jacobian.by_time.size() > 0)
+        root(num_cameras, num_cameras) = calibration.time_offset_sigma_s;
+    if (!jacobian.of_rates.empty())
+        root.bottomRightCorner<3, 3>() = root_of(calibration.rate_error_covariance);
     return root;
 }
 
@@ -115,8 +122,28 @@ struct BundleAdjustment::Implementation {
         add(VectorPrior::create({known, sigma}), nullptr, {vector.data()});
     }
 
+    // Notes that the factor which was added last contains the integral and depends on the bias.
+    void note_gyro_factor(const imu::GyroscopeIntegral& integral, const double* bias) {
+        gyro_factors.push_back(
+            {graph.factors().size() - 1,
+             bias,
+             base::vector_from_rotation(integral.q_from_to) / integral.duration_s});
+    }
+
+    // Returns the first column of each block in the information (-1: held constant), and at the end
+    // the number of columns.
+    std::vector<int> block_columns() const;
     SharedJacobian shared_jacobian(const CalibrationUncertainty& calibration,
                                    const std::vector<BodyRates>& rates) const;
+    void add_clock(const std::vector<BodyRates>& rates, SharedJacobian& shared) const;
+    void add_rate_errors(SharedJacobian& shared) const;
+
+    // A factor of the gyroscope.
+    struct GyroFactor {
+        std::size_t factor = 0;  // its number in the graph
+        const double* bias = nullptr;
+        Eigen::Vector3d rate = Eigen::Vector3d::Zero();  // mean over the motion, rad/s, imu
+    };
 
     types::RectifiedRig rig;
     std::vector<BodyState*> states;
@@ -125,6 +152,7 @@ struct BundleAdjustment::Implementation {
     ceres::HuberLoss orientation_loss{kHuberOrientation};
     ceres::HuberLoss depth_loss{kHuberDepth};
     FactorGraph graph{kHuberReprojection};
+    std::vector<GyroFactor> gyro_factors;
     std::unique_ptr<ceres::Problem> problem;  // of solve_sparse
     std::vector<Eigen::Vector3d> last_moves_m;
 };
@@ -141,17 +169,30 @@ SharedJacobian BundleAdjustment::Implementation::shared_jacobian(
         shift.rightCols<kFieldSize>() = by_field(rig, seen.measured_px);
         return seen.sigma_px.cwiseInverse().asDiagonal() * shift;
     };
-    if (calibration.time_offset_sigma_s <= 0.0 || rates.size() != states.size()) return shared;
-    std::vector<int> start;
+    if (calibration.time_offset_sigma_s > 0.0 && rates.size() == states.size())
+        add_clock(rates, shared);
+    if (!calibration.rate_error_covariance.isZero(0.0)) add_rate_errors(shared);
+    return shared;
+}
+
+std::vector<int> BundleAdjustment::Implementation::block_columns() const {
+    std::vector<int> columns;
     int size = 0;
     for (const Block& block : graph.blocks()) {
-        start.push_back(block.fixed ? -1 : size);
+        columns.push_back(block.fixed ? -1 : size);
         if (!block.fixed) size += block.tangent_size();
     }
-    shared.by_time = Eigen::VectorXd::Zero(size);
+    columns.push_back(size);
+    return columns;
+}
+
+void BundleAdjustment::Implementation::add_clock(const std::vector<BodyRates>& rates,
+                                                 SharedJacobian& shared) const {
+    const std::vector<int> columns = block_columns();
+    shared.by_time = Eigen::VectorXd::Zero(columns.back());
     const auto moves = [&](double* block, const Eigen::Vector3d& per_second) {
         if (!graph.contains(block)) return;
-        const int at = start[static_cast<std::size_t>(graph.index_of(block))];
+        const int at = columns[static_cast<std::size_t>(graph.index_of(block))];
         if (at >= 0)
             shared.by_time.segment<3>(at) = per_second;
         else
@@ -164,7 +205,21 @@ SharedJacobian BundleAdjustment::Implementation::shared_jacobian(
         moves(state.p_world_imu.data(), state.velocity_world);
         moves(state.velocity_world.data(), rates[k].acceleration_world);
     }
-    return shared;
+}
+
+void BundleAdjustment::Implementation::add_rate_errors(SharedJacobian& shared) const {
+    const std::vector<int> columns = block_columns();
+    std::vector<int> first_rows;
+    int num_rows = 0;
+    for (const Factor& factor : graph.factors()) {
+        first_rows.push_back(num_rows);
+        num_rows += factor.cost->num_residuals();
+    }
+    for (const GyroFactor& of : gyro_factors)
+        shared.of_rates.push_back({first_rows[of.factor],
+                                   graph.factors()[of.factor].cost->num_residuals(),
+                                   columns[static_cast<std::size_t>(graph.index_of(of.bias))],
+                                   of.rate});
 }
 
 BundleAdjustment::BundleAdjustment(const types::RectifiedRig& rig)
@@ -197,6 +252,7 @@ void BundleAdjustment::add_gyro_rotation(BodyState& from,
     auto& own = *implementation_;
     double* bias = from.bias.gyroscope.data();
     own.add(GyroRotationCost::create(rotation), nullptr, {own.q(from), own.q(to), bias});
+    own.note_gyro_factor(rotation, bias);
     own.add_walk(bias, to.bias.gyroscope.data(), random_walk, rotation.duration_s);
 }
 
@@ -220,6 +276,7 @@ void BundleAdjustment::add_imu_preintegration(BodyState& from,
              to.p_world_imu.data(),
              to.velocity_world.data(),
              gravity_direction_world.data()});
+    own.note_gyro_factor(motion.rotation, gyroscope);
     const double duration_s = motion.rotation.duration_s;
     own.add_walk(gyroscope, to.bias.gyroscope.data(), noise.gyroscope_random_walk, duration_s);
     own.add_walk(
@@ -376,7 +433,7 @@ JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& sta
         std::sqrt(field_variance(information, moved_by_errors, num_errors(calibration)));
     // One column per independent error of the calibration.
     const Eigen::MatrixXd by_calibration =
-        moved_by_errors * root_of(calibration, field_sigma_px, jacobian.by_time.size() > 0);
+        moved_by_errors * root_of(calibration, field_sigma_px, jacobian);
     const auto shared = [&](const double* block) -> Eigen::MatrixXd {
         if (start_of(block) < 0) return Eigen::MatrixXd::Zero(3, by_calibration.cols());
         return by_calibration.middleRows<3>(start_of(block));

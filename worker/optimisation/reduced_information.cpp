@@ -284,6 +284,36 @@ Eigen::VectorXd rows_by_time(ceres::Problem& problem,
     return result;
 }
 
+// Returns the derivative of the rows that are not the cameras' with respect to the shared errors of
+// the sensors.
+Eigen::MatrixXd sensor_rows(ceres::Problem& problem,
+                            const Linearised& all,
+                            const SharedJacobian& shared) {
+    const int num_columns = shared.num_sensor_columns();
+    Eigen::MatrixXd result = Eigen::MatrixXd::Zero(all.first_observed_row, num_columns);
+    if (shared.by_time.size() > 0) result.col(0) = rows_by_time(problem, all, shared);
+    const ceres::CRSMatrix& J = all.jacobian;
+    for (const SharedJacobian::OfRates& of : shared.of_rates)
+        for (int row = of.first_row; row < of.first_row + of.num_rows; ++row)
+            for (auto i = static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row)]);
+                 i < static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row) + 1]);
+                 ++i) {
+                const int axis = J.cols[i] - of.bias_column;
+                if (axis < 0 || axis > 2) continue;
+                result(row, num_columns - 3 + axis) = J.values[i] * of.rate[axis];
+            }
+    return result;
+}
+
+// Adds J^T `rows` to the last columns of B; the rows are the first ones of J.
+void add_projection(const ceres::CRSMatrix& J, const Eigen::MatrixXd& rows, Eigen::MatrixXd& B) {
+    for (Eigen::Index row = 0; row < rows.rows(); ++row)
+        for (auto i = static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row)]);
+             i < static_cast<std::size_t>(J.rows[static_cast<std::size_t>(row) + 1]);
+             ++i)
+            B.row(J.cols[i]).tail(rows.cols()) += J.values[i] * rows.row(row);
+}
+
 }  // namespace
 
 ReducedInformation reduced_information(ceres::Problem& problem,
@@ -324,8 +354,8 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
     Accumulator cameras(all.num_kept);
     Accumulator scores(all.num_kept);
     Accumulator others(all.num_kept);
-    const bool timed = shared.by_time.size() > 0;
-    Eigen::MatrixXd B = Eigen::MatrixXd::Zero(all.num_kept, shared.num_columns + (timed ? 1 : 0));
+    Eigen::MatrixXd B =
+        Eigen::MatrixXd::Zero(all.num_kept, shared.num_columns + shared.num_sensor_columns());
     SharedScores of_shared(all.num_kept, shared.num_columns);
     std::vector<bool> seen(static_cast<std::size_t>(all.num_kept), false);
     double num_landmarks = 0.0;
@@ -356,15 +386,8 @@ ClusteredInformation clustered_information(ceres::Problem& problem,
     const double slope = weights > 0.0 ? slopes / weights : 1.0;
     B *= slope;
     of_shared.information *= slope;
-    if (timed) {
-        const Eigen::VectorXd rows = rows_by_time(problem, all, shared);
-        for (Eigen::Index row = 0; row < rows.size(); ++row)
-            for (auto i =
-                     static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row)]);
-                 i < static_cast<std::size_t>(all.jacobian.rows[static_cast<std::size_t>(row) + 1]);
-                 ++i)
-                B(all.jacobian.cols[i], shared.num_columns) += all.jacobian.values[i] * rows[row];
-    }
+    if (shared.num_sensor_columns() > 0)
+        add_projection(all.jacobian, sensor_rows(problem, all, shared), B);
     // The same correction for what is fitted to all landmarks.
     const auto num_fitted = static_cast<double>(std::count(seen.begin(), seen.end(), true));
     const double few = num_landmarks / std::max(1.0, num_landmarks - 1.0) * num_free /

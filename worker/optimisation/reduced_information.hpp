@@ -32,7 +32,8 @@ ReducedInformation reduced_information(ceres::Problem& problem,
                                        double huber);
 
 // Errors that all measurements share, such as those of the calibration. They are not estimated; the
-// columns are the derivatives of the residuals with respect to them.
+// columns are the derivatives of the residuals with respect to them: those of the cameras first,
+// then the sensors' clock, then the gyroscope's rates.
 struct SharedJacobian {
     // Returns the three rows of the i-th observation, in the order of the problem, whose last
     // residuals are all observations.
@@ -40,13 +41,26 @@ struct SharedJacobian {
     int num_columns = 0;
     // The derivative of the kept blocks that sensors other than the cameras measure, with respect
     // to the clock of those sensors. Empty: not wanted.
-    Eigen::VectorXd by_time;  // one column more, the last one
+    Eigen::VectorXd by_time;  // one column more
     // The same for blocks that are held constant.
     struct Constant {
         double* block = nullptr;
         Eigen::VectorXd by_time;
     };
     std::vector<Constant> constants;
+    // A residual of the gyroscope. Rates that are too large by a share act on it like a bias of
+    // that share of them.
+    struct OfRates {
+        int first_row = 0;
+        int num_rows = 0;
+        int bias_column = 0;                             // of H, of the bias that it depends on
+        Eigen::Vector3d rate = Eigen::Vector3d::Zero();  // mean over the motion, rad/s
+    };
+    std::vector<OfRates> of_rates;  // three columns more, an axis of the IMU each; empty: none
+
+    int num_sensor_columns() const {
+        return (by_time.size() > 0 ? 1 : 0) + (of_rates.empty() ? 0 : 3);
+    }
 };
 
 // The information in the residuals about the shared errors themselves.

@@ -14,6 +14,7 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/text.hpp"
 #include "worker/camera/rectified_lens.hpp"
+#include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/io/rig_json.hpp"
 #include "worker/io/solver_json.hpp"
 
@@ -181,7 +182,9 @@ json calibration(const MetricsInput& input) {
                    {"sha256", calibration_sha256(input.stated_rig)},
                    {"alignment", alignment(input.alignment)},
                    {"rig", io::to_json(input.used_rig)},
-                   {"scale_sigma", input.optimise.path.scale_sigma_or_typical()}};
+                   {"scale_sigma", evaluation::lengths_sigma(input.optimise.path)}};
+    if (const double contradiction = input.optimise.path.scale_contradiction; contradiction > 0.0)
+        result["scale_contradiction"] = contradiction;
     if (input.gravity)
         result["gravity"] = {{"magnitude_m_s2", input.gravity->magnitude_m_s2},
                              {"tilt_deg", input.gravity->tilt_deg}};

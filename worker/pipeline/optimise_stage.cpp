@@ -10,6 +10,7 @@
 #include "worker/io/covariance_file.hpp"
 #include "worker/io/trajectory_file.hpp"
 #include "worker/pipeline/measured_poses.hpp"
+#include "worker/pipeline/scale_of_result.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 
@@ -32,7 +33,8 @@ std::shared_ptr<const camera::ShutterCorrection> shutter_correction(const Recons
 
 void write_trajectories(const Reconstruction& made) {
     io::write_tum(made.artifact("trajectory.tum"), made.optimised.trajectory);
-    io::write_covariances(made.artifact("trajectory_covariance.csv"), made.optimised.covariances);
+    io::write_covariances(made.artifact("trajectory_covariance.csv"),
+                          stated_covariances(made.optimised));
     io::write_tum(made.artifact("trajectory_causal.tum"), measured_causal(made.track));
     const auto predicted = made.artifact("trajectory_predicted.tum");
     if (made.optimised.predicted.empty())

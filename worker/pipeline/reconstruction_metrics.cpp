@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/evaluation/surface_samples.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
 #include "worker/pipeline/alignment_findings.hpp"
@@ -84,11 +85,13 @@ std::vector<Finding> findings(const Reconstruction& made,
 }  // namespace
 
 evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
+    const types::PathUncertainty& path = made.optimised.statistics.path;
+    const types::CovarianceTrack covariances = stated_covariances(made.optimised);
     return evaluation::evaluate_reconstruction(
         {.rig = made.used_rig(),
          .trajectory = made.optimised.trajectory,
          .causal = measured_causal(made.track),
-         .covariances = made.optimised.covariances,
+         .covariances = covariances,
          .keyframes = made.optimised.keyframes,
          .breaks_ns = made.optimised.breaks_ns,
          .mesh = made.request.options.surface ? &made.surface.mesh : nullptr,
@@ -96,14 +99,16 @@ evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
          .known_distances = made.dive.known_distances(),
          .reference = made.dive.read_reference_mesh(),
          .num_threads = made.request.options.num_threads,
-         .scale_sigma = made.optimised.statistics.path.scale_sigma_or_typical(),
-         .readout_time_s = made.optimised.calibration.applied_readout_time_s()});
+         .scale_sigma = evaluation::lengths_sigma(path),
+         .readout_time_s = made.optimised.calibration.applied_readout_time_s(),
+         .contradiction_sigma = evaluation::contradiction_sigma(path.scale_contradiction)});
 }
 
 nlohmann::json metrics_of(const Reconstruction& made) {
     const Segments segments = evaluation::segments_of(
         made.optimised.trajectory, made.optimised.keyframes, made.optimised.breaks_ns);
     const evaluation::ExpectedAccuracy accuracy = expected(made, segments);
+    const types::CovarianceTrack covariances = stated_covariances(made.optimised);
     return metrics_document(
         {.version = DIVEMESH_VERSION,
          .preset = made.request.preset,
@@ -118,9 +123,8 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .alignment = made.alignment,
          .gravity = evaluation::check_gravity(made.dive.imu(), made.optimised.trajectory),
          .refined = made.refined(),
-         .end_covariance_m2 = made.optimised.covariances.empty()
-                                  ? std::optional<Eigen::Matrix3d>()
-                                  : made.optimised.covariances.back().position_m2,
+         .end_covariance_m2 = covariances.empty() ? std::optional<Eigen::Matrix3d>()
+                                                  : covariances.back().position_m2,
          .track = made.track.statistics,
          .reduction = made.track.reduction,
          .optimise = made.optimised.statistics,

@@ -1,11 +1,13 @@
 #include "worker/pipeline/scale_of_result.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
 #include "worker/imu/estimate_alignment.hpp"
 #include "worker/imu/usable_samples.hpp"
+#include "worker/io/ply.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 
 namespace divemesh::pipeline {
@@ -53,26 +55,35 @@ void apply(const markers::WorldScale& scale, types::OptimisedTrack& optimised) {
     optimised.covariances = scale.applied(optimised.covariances);
 }
 
-types::CovarianceTrack with_scale_sigma(const types::OptimisedTrack& optimised, double sigma) {
+types::CovarianceTrack with_scale_sigma(const types::OptimisedTrack& optimised,
+                                        double from_sigma,
+                                        double to_sigma) {
     return evaluation::with_scale_sigma(
         optimised.covariances,
         evaluation::offsets_from_start(
-            optimised.trajectory, optimised.keyframes, optimised.breaks_ns),
-        optimised.statistics.path.shared_scale_sigma,
-        sigma);
+            optimised.trajectory,
+            evaluation::segments_of(
+                optimised.trajectory, optimised.keyframes, optimised.breaks_ns)),
+        from_sigma,
+        to_sigma);
 }
 
 // Replaces the error of the scale by `sigma`, after the scaling.
 void replace_scale_error(double factor, double sigma, types::OptimisedTrack& optimised) {
     types::PathUncertainty& path = optimised.statistics.path;
-    optimised.covariances = with_scale_sigma(optimised, sigma);
+    optimised.covariances = with_scale_sigma(optimised, path.shared_scale_sigma, sigma);
     path = evaluation::scaled(path, factor, sigma);
 }
 
 }  // namespace
 
 types::CovarianceTrack covariances_without_scale(const types::OptimisedTrack& optimised) {
-    return with_scale_sigma(optimised, 0.0);
+    return with_scale_sigma(optimised, optimised.statistics.path.shared_scale_sigma, 0.0);
+}
+
+types::CovarianceTrack stated_covariances(const types::OptimisedTrack& optimised) {
+    const double contradiction = optimised.statistics.path.scale_contradiction;
+    return with_scale_sigma(optimised, 0.0, evaluation::contradiction_sigma(contradiction));
 }
 
 evaluation::ScaleSources scale_sources(const Reconstruction& made) {
@@ -103,6 +114,23 @@ void scale_result(double factor, double sigma, Reconstruction& made) {
         markers::WorldScale(factor, made.track.rig.T_imu_cam).applied(made.track.causal);
     made.track.statistics.median_depth_m *= factor;
     write_trajectories(made);
+}
+
+bool cover_contradiction(Reconstruction& made) {
+    if (made.has_failed()) return false;
+    types::PathUncertainty& path = made.optimised.statistics.path;
+    path.scale_contradiction = evaluation::scale_contradiction(scale_sources(made).usable, path);
+    if (path.scale_contradiction == 0.0) return false;
+    write_trajectories(made);
+    const double sigma = evaluation::contradiction_sigma(path.scale_contradiction);
+    if (made.markers)
+        for (markers::BarMetrics& bar : made.markers->bars)
+            bar.sigma_m = std::hypot(bar.sigma_m, sigma * bar.measured_m.value_or(0.0));
+    if (!surface_wanted(made)) return true;
+    types::Mesh& mesh = made.surface.mesh;
+    mesh = evaluation::with_scale_sigma(std::move(mesh), made.optimised.trajectory, 0.0, sigma);
+    io::write_ply(made.artifact("mesh.ply"), mesh);
+    return true;
 }
 
 }  // namespace divemesh::pipeline

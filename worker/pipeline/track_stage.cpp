@@ -1,3 +1,4 @@
+#include "worker/dive/image_survey.hpp"
 #include "worker/io/trajectory_file.hpp"
 #include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/stage_files.hpp"
@@ -13,6 +14,19 @@ void run_reduced(Reconstruction& made, int reduction, const base::ProgressCallba
     made.keyframe_store.clear();
     made.track = track(made.recording, made.options(), made.keyframe_store, progress);
     made.track.reduction = reduction;
+}
+
+// Returns the findings on all images together, as at intake. Reads the images again.
+std::vector<Finding> findings_on_all_images(dive::Dive& dive,
+                                            const base::ProgressCallback& progress) {
+    dive.rewind();
+    dive::FindingLog findings;
+    const auto survey = dive::survey_images(dive, [&](Progress at) {
+        at.fraction = 1.0;  // of the tracking
+        progress(at);
+    });
+    survey.report(dive.num_frames(), findings);
+    return findings.all();
 }
 
 }  // namespace
@@ -37,7 +51,12 @@ void run_track(Reconstruction& made, const base::ProgressCallback& progress) {
         made.track.findings.push_back(large_images_finding(by_width));
     }
     const std::vector<Finding>& on_dive = made.dive.findings();
-    made.track.image_findings.assign(on_dive.begin() + num_known, on_dive.end());
+    std::vector<Finding>& on_images = made.track.image_findings;
+    on_images.assign(on_dive.begin() + num_known, on_dive.end());
+    if (!too_little_tracked(made.track)) return;
+    // Black images, or none that decode, are a cause.
+    const std::vector<Finding> on_all = findings_on_all_images(made.dive, progress);
+    on_images.insert(on_images.end(), on_all.begin(), on_all.end());
 }
 
 void save_track(Reconstruction& made, const std::string& key) {

@@ -71,7 +71,7 @@ json measure_areas(const types::Mesh& mesh, const AreaSet& set, MeasureOptions o
         ground.name = "quadrats";
         ground.seen_m2 = seen_in_quadrats;
     }
-    append(measure_labels(set, ground, options.seed), metrics);
+    append(measure_labels(set, ground, options), metrics);
     return {{"areas", areas}, {"figures", metrics}};
 }
 

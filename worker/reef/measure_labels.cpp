@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <utility>
 
 #include "worker/reef/metric_json.hpp"
 #include "worker/reef/population.hpp"
@@ -31,23 +32,32 @@ void add(const AreaTask& task,
     metrics.push_back(metric_json(task, kind, estimate));
 }
 
+struct Sizes {
+    std::string what;
+    std::string unit;
+    const std::vector<double>& values;
+    double relative_sigma = 0.0;  // that they share
+};
+
 void add_sizes(const AreaTask& task,
-               const std::string& what,
-               const std::string& unit,
-               const std::vector<double>& sizes,
+               const Sizes& sizes,
                std::uint64_t seed,
                nlohmann::json& metrics) {
-    const std::string method = "over the colonies, bootstrap";
-    add(task, what + "_q25", unit, method, size_quantile(sizes, 0.25, seed), metrics);
-    add(task, what + "_median", unit, method, size_quantile(sizes, 0.5, seed), metrics);
-    add(task, what + "_q75", unit, method, size_quantile(sizes, 0.75, seed), metrics);
+    for (const auto& [ending, share] : {std::pair("_q25", 0.25), {"_median", 0.5}, {"_q75", 0.75}})
+        add(task,
+            sizes.what + ending,
+            sizes.unit,
+            "over the colonies, bootstrap",
+            stats::with_shared_error(size_quantile(sizes.values, share, seed),
+                                     sizes.relative_sigma),
+            metrics);
 }
 
 }  // namespace
 
 nlohmann::json measure_labels(const AreaSet& set,
                               const SurveyedGround& ground,
-                              std::uint64_t seed) {
+                              const MeasureOptions& options) {
     std::map<std::string, Population> populations;
     for (const Area& area : set.areas) {
         if (area.label.empty() || area.kind == AreaKind::Transect || !is_on(ground, area)) continue;
@@ -70,7 +80,7 @@ nlohmann::json measure_labels(const AreaSet& set,
             "population_density",
             "1/m2",
             "colonies over surveyed ground, Poisson",
-            density_per_m2(population),
+            stats::with_shared_error(density_per_m2(population), 2.0 * options.scale_sigma),
             metrics);
         add(task,
             "cover",
@@ -78,8 +88,14 @@ nlohmann::json measure_labels(const AreaSet& set,
             "planar area of the colonies over surveyed ground, compound Poisson",
             cover(population),
             metrics);
-        add_sizes(task, "colony_area", "m2", population.areas_m2, seed, metrics);
-        add_sizes(task, "colony_diameter", "m", population.diameters_m, seed, metrics);
+        add_sizes(task,
+                  {"colony_area", "m2", population.areas_m2, 2.0 * options.scale_sigma},
+                  options.seed,
+                  metrics);
+        add_sizes(task,
+                  {"colony_diameter", "m", population.diameters_m, options.scale_sigma},
+                  options.seed,
+                  metrics);
     }
     return metrics;
 }

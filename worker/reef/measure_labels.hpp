@@ -6,6 +6,7 @@
 
 #include "worker/reef/area_plane.hpp"
 #include "worker/reef/area_set.hpp"
+#include "worker/reef/measure_options.hpp"
 
 namespace divemesh::reef {
 
@@ -19,7 +20,9 @@ struct SurveyedGround {
 
 // Returns colonies (polygons and quadrats with a label) per m2, cover, and the quartiles of their
 // areas and diameters, for each label, as entries of "figures". A colony counts if the mean of its
-// corners lies over a quadrat.
-nlohmann::json measure_labels(const AreaSet& set, const SurveyedGround& ground, std::uint64_t seed);
+// corners lies over a quadrat. All sizes share the error of the scale.
+nlohmann::json measure_labels(const AreaSet& set,
+                              const SurveyedGround& ground,
+                              const MeasureOptions& options);
 
 }  // namespace divemesh::reef

@@ -6,6 +6,7 @@
 #include "schemas/error.hpp"
 #include "worker/evaluation/known_distances.hpp"
 #include "worker/evaluation/relative_pose_error.hpp"
+#include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/evaluation/surface_index.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
 #include "worker/markers/world_scale.hpp"
@@ -16,18 +17,6 @@ namespace divemesh::report {
 namespace {
 
 using nlohmann::json;
-
-// Returns the frames of the segment with the most frames, by metrics.json.
-types::Trajectory largest_segment(const io::ReconstructionFolder& reconstruction) {
-    types::Trajectory trajectory = reconstruction.trajectory();
-    const auto segments = reconstruction.segments();
-    if (segments.size() < 2) return trajectory;
-    const types::TrackingSegment& largest = segments[evaluation::number_of_largest(segments)];
-    std::erase_if(trajectory, [&](const types::StampedPose& pose) {
-        return !largest.contains(pose.timestamp_ns);
-    });
-    return trajectory;
-}
 
 evaluation::RegisteredTruth register_for(const types::Trajectory& path,
                                          const io::TrajectoryFile& truth,
@@ -48,7 +37,8 @@ public:
               ReportMeasurements& result)
         : inputs_(inputs), request_(request), result_(result) {
         result_.document = inputs.reconstruction.metrics();
-        result_.path = largest_segment(inputs.reconstruction);
+        result_.path = evaluation::within_largest(inputs.reconstruction.trajectory(),
+                                                  inputs.reconstruction.segments());
         result_.findings = inputs.findings;
     }
 
@@ -105,7 +95,10 @@ void Measuring::compare_trajectories() try {
     if (std::filesystem::exists(inputs_.reconstruction.path() / "trajectory_causal.tum") &&
         !options.pair_by_index)
         section["causal"] = known_sections(evaluation::to_metrics(evaluation::trajectory_error(
-            inputs_.reconstruction.causal_trajectory(), poses, options)));
+            evaluation::within_largest(inputs_.reconstruction.causal_trajectory(),
+                                       inputs_.reconstruction.segments()),
+            poses,
+            options)));
     result_.document["truth"] = evaluation::to_metrics(registration, request_.truth);
 } catch (const Error& error) {
     if (error.code() != ErrorCode::BadData) throw;
@@ -189,10 +182,12 @@ void Measuring::measure_distances() {
     }
     const types::Trajectory trajectory = inputs_.reconstruction.trajectory();
     const types::CovarianceTrack covariances = inputs_.reconstruction.covariances();
-    const evaluation::KnownPath path{trajectory,
-                                     covariances,
-                                     inputs_.reconstruction.scale_sigma(),
-                                     inputs_.reconstruction.segments()};
+    const evaluation::KnownPath path{.trajectory = trajectory,
+                                     .covariances = covariances,
+                                     .scale_sigma = inputs_.reconstruction.scale_sigma(),
+                                     .segments = inputs_.reconstruction.segments(),
+                                     .contradiction_sigma = evaluation::contradiction_sigma(
+                                         inputs_.reconstruction.scale_contradiction())};
     evaluation::KnownDistanceErrors errors;
     if (has_truth) {
         std::vector<std::int64_t> timestamps_ns;
@@ -230,7 +225,8 @@ void Measuring::measure_reef() {
     }
     reef::MeasureOptions options = reef::measure_options(inputs_.reconstruction);
     options.num_threads = request_.num_threads;
-    result_.reef = reef::measure_areas(inputs_.reconstruction.mesh(), areas, options);
+    result_.reef =
+        reef::measure_areas(reef::mesh_to_measure(inputs_.reconstruction), areas, options);
 }
 
 void add_distance_errors(json& document) {

@@ -36,6 +36,13 @@ double sharpened(double measured, double blurred, double blurred_twice) {
     return measured + first * (2.0 - std::clamp(std::isfinite(next) ? next : 1.0, 0.0, 1.0));
 }
 
+Estimate with_shared_error(const Estimate& estimate, double relative_sigma) {
+    const double half_width = kNormal975 * relative_sigma * estimate.value;
+    return {estimate.value,
+            estimate.value - std::hypot(estimate.value - estimate.low, half_width),
+            estimate.value + std::hypot(estimate.high - estimate.value, half_width)};
+}
+
 Estimate estimate(const Simulated& simulated,
                   double sigma_relative_error,
                   const SharedError& shared) {

@@ -27,6 +27,10 @@ struct Simulated {
 // first blurring alone, and at most twice as much.
 double sharpened(double measured, double blurred, double blurred_twice);
 
+// Returns the estimate with the interval widened by an error that it shares with all others, a
+// fraction `relative_sigma` of the value.
+Estimate with_shared_error(const Estimate& estimate, double relative_sigma);
+
 // The effect on a metric of errors that all vertices share: one standard deviation.
 struct SharedError {
     double relative = 0.0;  // a fraction of the metric

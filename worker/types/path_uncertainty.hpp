@@ -25,6 +25,9 @@ struct PathUncertainty {
     // Mean square distance of the positions from their centre: the shared error has the part
     // shared_scale_sigma^2 spread_m2 of E.
     double spread_m2 = 0.0;
+    // The largest difference, relative, of another measurement of lengths that contradicts this
+    // scale; 0: none does. Nothing above contains it.
+    double scale_contradiction = 0.0;
 
     bool is_known() const { return degrees_of_freedom > 0.0; }
     double scale_sigma_or_typical() const {

@@ -139,5 +139,22 @@ TEST_F(CalibrationUncertaintyTest, WhatWasEstimatedButNotAppliedIsPartOfTheError
         calibration_uncertainty(rig(), rectified_, refined, {}).covariance(0, 0), 1e-8, 1e-12);
 }
 
+// Rates that are 0.4 % too large about z are not corrected: the focal length may be the cause.
+TEST_F(CalibrationUncertaintyTest, AnErrorOfTheRatesThatIsNotAppliedIsPartOfTheirError) {
+    CalibrationRefinement refined;
+    refined.calibration.imu.rate_error.z() = 0.004;
+    refined.calibration.rate_error_sigma.setConstant(1e-3);
+    const auto variances = [&](const types::Rig& of) -> Eigen::Vector3d {
+        return calibration_uncertainty(of, rectified_, refined, {})
+            .rate_error_covariance.diagonal();
+    };
+    EXPECT_TRUE(variances(rig()).isApprox(Eigen::Vector3d(1e-6, 1e-6, 17e-6)));
+    refined.calibration.rate_error_applied = true;
+    EXPECT_TRUE(variances(rig()).isApprox(Eigen::Vector3d(1e-6, 1e-6, 1e-6)));
+    types::Rig without_imu = rig();
+    without_imu.imu_noise.reset();
+    EXPECT_TRUE(variances(without_imu).isZero());
+}
+
 }  // namespace
 }  // namespace divemesh::calibration

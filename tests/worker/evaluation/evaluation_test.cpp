@@ -46,6 +46,25 @@ TEST_F(EvaluationTest, WithTruthAndReferenceAllErrorsAreThere) {
     EXPECT_TRUE(evaluation.findings.empty());
 }
 
+// The positions of two segments relative to each other are a guess: here they are off by 5 m.
+TEST_F(EvaluationTest, FinalAndCausalPathOfSeveralSegmentsAreComparedOverTheLargest) {
+    constexpr std::size_t kSecond = 25;
+    types::Trajectory apart = trajectory_;
+    for (std::size_t i = kSecond; i < apart.size(); ++i)
+        apart[i].T_world_imu.translation().x() += 5.0;
+    const std::int64_t second_ns = apart[kSecond].timestamp_ns;
+    const std::vector<types::Keyframe> keyframes = {
+        {0, 0, Eigen::Isometry3d::Identity(), 0},
+        {kSecond, second_ns, Eigen::Isometry3d::Identity(), 1}};
+    const Evaluation evaluation = evaluate_reconstruction(
+        {rig_, apart, apart, {}, keyframes, {second_ns}, &mesh_, trajectory_, known_, reference_});
+    ASSERT_TRUE(evaluation.trajectory && evaluation.causal);
+    for (const auto& error : {*evaluation.trajectory, *evaluation.causal}) {
+        EXPECT_EQ(error.num_poses, static_cast<std::int64_t>(kSecond));
+        EXPECT_LT(error.ate_rmse_m, 1e-9);
+    }
+}
+
 TEST_F(EvaluationTest, TruthOfAnotherTimeIsAFindingAndNotAFailure) {
     reference_ = mesh_;
     types::Trajectory late = trajectory_;

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "worker/camera/projection.hpp"
+#include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 
 namespace divemesh::evaluation {
@@ -245,6 +246,30 @@ TEST_F(KnownDistancesTest, SigmaHoldsTheCalibrationAndTheDriftBetweenTheEnds) {
     EXPECT_NEAR(sigma_m(drifting).value(),
                 std::hypot(0.001 * bar_.distance_m, std::sqrt(0.6 * 4e-4)),
                 1e-6);
+}
+
+// If another scale is right, the length is wrong by its share; that the path is wrong too is the
+// same error.
+TEST_F(KnownDistancesTest, SigmaReachesAScaleThatContradictsThePathOnce) {
+    constexpr double kContradiction = 0.05;
+    const double by_contradiction = contradiction_sigma(kContradiction);
+    types::CovarianceTrack covariances;
+    for (const types::StampedPose& pose : truth_)
+        covariances.push_back(
+            {pose.timestamp_ns, 1e-7 * Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Zero()});
+    covariances =
+        with_scale_sigma(covariances, offsets_from_start(truth_, {}), 0.0, by_contradiction);
+    dive::KnownDistance marked = marked_bar();
+    marked.marks_a.resize(4);                                                // 0 to 0.3 s
+    marked.marks_b.erase(marked.marks_b.begin(), marked.marks_b.end() - 4);  // 0.6 to 0.9 s
+    const KnownPath path{.trajectory = truth_,
+                         .covariances = covariances,
+                         .scale_sigma = std::hypot(0.001, by_contradiction),
+                         .contradiction_sigma = by_contradiction};
+    const double sigma_m =
+        measure_known_distances({marked}, nullptr, rig_, path).distances[0].sigma_m.value();
+    EXPECT_GT(1.96 * sigma_m, kContradiction * bar_.distance_m);
+    EXPECT_LT(1.96 * sigma_m, 1.05 * kContradiction * bar_.distance_m);
 }
 
 // With new noise of 0.3 px each time, sigma equals the scatter of the measured lengths.

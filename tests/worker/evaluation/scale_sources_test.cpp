@@ -68,6 +68,20 @@ TEST(ScaleSourcesTest, ACheckIsJudgedByItsOwnSigma) {
     EXPECT_TRUE(scale_sources(dive.data, dive.trajectory, dive.path, loops).usable.empty());
 }
 
+// No water is 9 % heavier than fresh water; 3 % is what recorders err by.
+TEST(ScaleSourcesTest, AScaleBeyondThreeOfItsSigmasContradictsThePath) {
+    const auto contradiction = [](double density) {
+        const UpAndDown dive(density);
+        return scale_contradiction(dive.sources().usable, dive.path);
+    };
+    EXPECT_EQ(contradiction(1.03), 0.0);
+    EXPECT_NEAR(contradiction(1.09), 1.0 - 1.0 / 1.09, 2e-3);
+    // A path that is known to no better than that contradicts nothing.
+    UpAndDown vague(1.09);
+    vague.path.scale_sigma = 0.05;
+    EXPECT_EQ(scale_contradiction(vague.sources().usable, vague.path), 0.0);
+}
+
 // An accelerometer whose unit is off by `factor`, on the same dive.
 std::vector<types::ImuSample> forces(double factor) {
     std::vector<types::ImuSample> imu;

@@ -9,6 +9,7 @@
 
 #include "tests/synthetic/trajectory_error.hpp"
 #include "worker/evaluation/combined_scale.hpp"
+#include "worker/evaluation/tracking_segments.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 
 namespace divemesh::evaluation {
@@ -88,7 +89,7 @@ Held held(double cameras_sigma, double sensor_sigma, double off) {
         const double sigma = scale.sigma / scale.factor;
         const auto after = scaled(path.uncertainty, scale.factor, sigma);
         const auto covariances = with_scale_sigma(path.covariances,
-                                                  offsets_from_start(path.trajectory, {}, {}),
+                                                  offsets_from_start(path.trajectory, {}),
                                                   path.uncertainty.shared_scale_sigma,
                                                   sigma);
         const double ate = std::sqrt(synthetic::squared_ate_m2(seen, path.truth));
@@ -131,6 +132,49 @@ TEST(ScaledUncertaintyTest, KeepsTheErrorThatIsNotDueToScale) {
     EXPECT_NEAR(same.degrees_of_freedom, path.uncertainty.degrees_of_freedom, 1e-9);
 }
 
+// Lengths by another measurement are 5 % longer. If those are right, the true path is that much
+// larger.
+TEST(ScaledUncertaintyTest, WhereAnotherScaleContradictsThePathTheBoundReachesIt) {
+    constexpr double kContradiction = 0.05;
+    Path path(0.002);
+    path.uncertainty.scale_contradiction = kContradiction;
+    Positions truth = path.truth;
+    for (Eigen::Vector3d& position : truth) position *= 1.0 + kContradiction;
+    const double ate_m = std::sqrt(synthetic::squared_ate_m2(path.truth, truth));
+    const auto covering = covering_contradiction(path.uncertainty);
+    const double bound_m =
+        std::sqrt(optimisation::quantile_95(covering.mean_square_m2, covering.degrees_of_freedom));
+    EXPECT_GT(bound_m, ate_m);
+    EXPECT_LT(bound_m, 1.05 * ate_m);
+    EXPECT_GT(1.96 * lengths_sigma(path.uncertainty), kContradiction);
+    EXPECT_LT(1.96 * lengths_sigma(path.uncertainty), 1.05 * kContradiction);
+    EXPECT_NEAR(lengths_sigma(covering), lengths_sigma(path.uncertainty), 1e-9);
+}
+
+// A vertex of a slope, seen from a path about the origin. Of the move by another scale, the part
+// along the normal counts.
+TEST(ScaledUncertaintyTest, AVertexMovesWithTheScaleAwayFromTheCentreOfThePath) {
+    constexpr double kScale = 1.05;
+    const types::Trajectory path = {{1, Eigen::Isometry3d(Eigen::Translation3d(-1.0, 2.0, 0.5))},
+                                    {2, Eigen::Isometry3d(Eigen::Translation3d(1.0, -2.0, -0.5))}};
+    types::Mesh mesh;
+    mesh.vertices = {{0.3F, 0.4F, -2.0F}};
+    mesh.normals = {Eigen::Vector3f(0.2F, -0.1F, 1.0F).normalized()};
+    mesh.sigma_m = {0.003F};
+    mesh.sigma_local_m = {0.002F};
+    const Eigen::Vector3f moved = static_cast<float>(kScale) * mesh.vertices[0];
+    const double off_m = std::abs(mesh.normals[0].dot(moved - mesh.vertices[0]));
+    const double sigma = contradiction_sigma(kScale - 1.0);
+
+    const types::Mesh covering = with_scale_sigma(mesh, path, 0.0, sigma);
+
+    EXPECT_NEAR(covering.sigma_m[0], std::hypot(0.003, off_m / 1.959964), 1e-6);
+    EXPECT_EQ(covering.sigma_local_m, mesh.sigma_local_m);
+    EXPECT_EQ(covering.vertices, mesh.vertices);
+    EXPECT_NEAR(with_scale_sigma(covering, path, sigma, 0.0).sigma_m[0], 0.003, 1e-5);
+    EXPECT_EQ(with_scale_sigma(mesh, path, sigma, 0.0).sigma_m[0], mesh.sigma_local_m[0]);
+}
+
 TEST(ScaledUncertaintyTest, EachSegmentStartsItsOwnPath) {
     const Path path(0.0);
     types::Trajectory apart = path.trajectory;
@@ -139,7 +183,8 @@ TEST(ScaledUncertaintyTest, EachSegmentStartsItsOwnPath) {
     keyframes[1].timestamp_ns = apart[20].timestamp_ns;
     keyframes[1].segment = 1;
     for (std::size_t i = 20; i < apart.size(); ++i) apart[i].T_world_imu.translation().x() += 100.0;
-    const auto ways = offsets_from_start(apart, keyframes, {apart[20].timestamp_ns});
+    const auto ways =
+        offsets_from_start(apart, segments_of(apart, keyframes, {apart[20].timestamp_ns}));
     EXPECT_NEAR((ways[19] - (path.at(19) - path.at(0))).norm(), 0.0, 1e-12);
     EXPECT_NEAR(ways[20].norm(), 0.0, 1e-12);
     EXPECT_NEAR((ways[30] - (path.at(30) - path.at(20))).norm(), 0.0, 1e-12);

@@ -52,10 +52,20 @@ TEST(TrackingSegmentsTest, UnmeasuredMotionAddsNoPathLength) {
 }
 
 TEST(TrackingSegmentsTest, LargestSegmentHasTheMostFrames) {
-    const types::Trajectory largest = largest_segment(frames(), keyframes(0, 1, 1));
+    const types::Trajectory largest =
+        within_largest(frames(), segments_of(frames(), keyframes(0, 1, 1)));
     ASSERT_EQ(largest.size(), 6U);
     EXPECT_EQ(largest.front().timestamp_ns, 4);
-    EXPECT_TRUE(largest_segment({}, {}).empty());
+    EXPECT_EQ(within_largest(frames(), segments_of(frames(), keyframes(0, 0, 0))).size(), 10U);
+    EXPECT_TRUE(within_largest({}, {}).empty());
+}
+
+TEST(TrackingSegmentsTest, WhatLiesBetweenTheIntervalsOfTheLargestSegmentIsNotPartOfIt) {
+    const types::Trajectory largest =
+        within_largest(frames(), segments_of(frames(), keyframes(0, 1, 0)));
+    ASSERT_EQ(largest.size(), 6U);
+    EXPECT_EQ(largest[3].timestamp_ns, 3);
+    EXPECT_EQ(largest[4].timestamp_ns, 8);
 }
 
 }  // namespace

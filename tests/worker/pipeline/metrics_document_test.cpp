@@ -74,6 +74,7 @@ MetricsInput dive_with_everything() {
     input.rig.imu_noise = types::ImuNoise{};
     input.track.dense = {100, 12'800, 4000, 20, 30};
     input.gravity = evaluation::GravityCheck{9.8, 0.1};
+    input.optimise.path.scale_contradiction = 0.05;
     input.end_covariance_m2 = 1e-6 * Eigen::Matrix3d::Identity();
     input.evaluation.covariance = evaluation::CovarianceCheck{100, 3.1, 0.94};
     input.refined.time_offset_sigma_s = 1e-4;

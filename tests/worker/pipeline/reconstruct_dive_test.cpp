@@ -15,6 +15,8 @@
 
 #include "schemas/error.hpp"
 #include "schemas/finding.hpp"
+#include "schemas/json.hpp"
+#include "schemas/verdict.hpp"
 #include "storage/blob_store.hpp"
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/pipeline/blob_stage_store.hpp"
@@ -151,6 +153,33 @@ TEST_F(ReconstructDiveTest, ADiveThatCannotBeTrackedKeepsWhatIsKnownAndIsNotUsab
                                      "metrics.json",
                                      "report.html"}));
     EXPECT_NE(content(folder_ / "blank/report.html").find("Not usable"), std::string::npos);
+}
+
+const nlohmann::json* finding_of(const nlohmann::json& metrics, const std::string& code) {
+    for (const auto& finding : metrics["findings"])
+        if (finding["code"] == code) return &finding;
+    return nullptr;
+}
+
+TEST_F(ReconstructDiveTest, BlackImagesOfOneCameraAreToldWhereTheyLeaveNoModel) {
+    for (const auto& image : fs::directory_iterator(folder_ / "dive/mav0/cam1/data"))
+        cv::imwrite(image.path().string(), cv::Mat(120, 160, CV_8UC1, cv::Scalar(0)));
+    const auto metrics = reconstruct("black", {{"voxel_m", 0.02}});
+    ASSERT_NE(finding_of(metrics, "nothing_reconstructed"), nullptr) << metrics["findings"];
+    const auto* black = finding_of(metrics, "images_black");
+    ASSERT_NE(black, nullptr) << metrics["findings"];
+    EXPECT_EQ((*black)["where"], "mav0/cam1/data");
+    // A job fails with the first error: the cause.
+    EXPECT_EQ(first_error(metrics["findings"].get<std::vector<Finding>>())->code, "images_black");
+}
+
+TEST_F(ReconstructDiveTest, ADiveOfWhichNoImageDecodesSaysSo) {
+    for (const auto& image : fs::directory_iterator(folder_ / "dive/mav0/cam0/data"))
+        std::ofstream(image.path()) << "GIF89a";
+    const auto metrics = reconstruct("unreadable", {{"voxel_m", 0.02}});
+    EXPECT_NE(finding_of(metrics, "nothing_reconstructed"), nullptr) << metrics["findings"];
+    EXPECT_EQ(first_error(metrics["findings"].get<std::vector<Finding>>())->code,
+              "no_frame_decodes");
 }
 
 TEST_F(ReconstructDiveTest, ADiveThatIsRefusedTellsItsFindingsFirst) {

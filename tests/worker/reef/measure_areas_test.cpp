@@ -219,6 +219,12 @@ TEST(MeasureAreas, LabelsGiveDensityCoverAndSizesOverTheQuadrats) {
         metric_of(measured, "quadrats", "cover")["value"].get<double>(), 4 * 0.0025 / 0.64, 1e-6);
     EXPECT_NEAR(
         metric_of(measured, "quadrats", "colony_area_median")["value"].get<double>(), 0.0025, 1e-9);
+    // All colonies are alike, so only the scale makes their sizes uncertain.
+    const json diameter = metric_of(measured, "quadrats", "colony_diameter_median");
+    const double diameter_m = 0.05 * std::sqrt(2.0);
+    EXPECT_NEAR(diameter["high"].get<double>() - diameter_m,
+                1.96 * few_replicates().scale_sigma * diameter_m,
+                1e-7);
 }
 
 TEST(MeasureAreas, TheNumberOfThreadsChangesNoMetric) {

@@ -7,6 +7,7 @@
 
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/reef/sheets.hpp"
+#include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/io/ply.hpp"
 #include "worker/io/trajectory_file.hpp"
 
@@ -19,9 +20,7 @@ using nlohmann::json;
 class MeasureReconstructionTest : public testing::Test {
 protected:
     MeasureReconstructionTest() {
-        types::Trajectory trajectory(1);
-        trajectory[0].T_world_imu.translation() = Eigen::Vector3d(0.5, 0.5, 2.0);
-        io::write_tum(folder_ / "trajectory.tum", trajectory);
+        io::write_tum(folder_ / "trajectory.tum", path());
         write("areas.json", R"({"areas": [{"name": "q", "corners": [[0.2, 0.2, 0], [0.8, 0.2, 0],
                                            [0.8, 0.8, 0], [0.2, 0.8, 0]]}]})");
         write("metrics.json", "{}");
@@ -31,17 +30,24 @@ protected:
     void write(const std::string& name, const std::string& text) const {
         std::ofstream(folder_ / name) << text;
     }
-    void give_ground(double cell_m) const {
+    static types::Trajectory path() {
+        types::Trajectory trajectory(1);
+        trajectory[0].T_world_imu.translation() = Eigen::Vector3d(0.5, 0.5, 2.0);
+        return trajectory;
+    }
+    static types::Mesh level_ground(double cell_m) {
         types::Mesh mesh = sheet(1.0, cell_m, [](double, double) { return 0.0; });
         mesh.sigma_m.assign(mesh.vertices.size(), 0.002F);
         mesh.sigma_local_m = mesh.sigma_m;
-        io::write_ply(folder_ / "mesh.ply", mesh);
+        return mesh;
+    }
+    void give_ground(double cell_m) const {
+        io::write_ply(folder_ / "mesh.ply", level_ground(cell_m));
     }
     json measure() const {
         return measure_reconstruction({folder_.path(), folder_ / "areas.json", std::nullopt});
     }
 
-private:
     TemporaryFolder folder_;
 };
 
@@ -94,6 +100,28 @@ TEST_F(MeasureReconstructionTest, TheVerdictAndWhatConcernsTheMetricsComeWithThe
     EXPECT_EQ(judgement["restrictions"], json({"path", "scale"}));
     ASSERT_EQ(judgement["findings"].size(), 1U);
     EXPECT_EQ(judgement["findings"][0]["code"], "scale_untested");
+}
+
+// Another measurement says that all lengths are 5 % longer.
+TEST_F(MeasureReconstructionTest, AScaleThatContradictsIsInSizesButRoughensNothing) {
+    constexpr double kContradiction = 0.05;
+    const double sigma = evaluation::contradiction_sigma(kContradiction);
+    types::Mesh mesh = level_ground(0.01);
+    mesh.normals.assign(mesh.vertices.size(), Eigen::Vector3f::UnitZ());
+    mesh = evaluation::with_scale_sigma(std::move(mesh), path(), 0.0, sigma);
+    EXPECT_GT(mesh.sigma_m[0], 0.05F);
+    io::write_ply(folder_ / "mesh.ply", mesh);
+    write("metrics.json",
+          json{{"calibration",
+                {{"scale_sigma", std::hypot(0.002, sigma)},
+                 {"scale_contradiction", kContradiction}}}}
+              .dump());
+    const json measured = measure();
+    const json diameter = metric_of(measured, "q", "longest_diameter");
+    const double value_m = diameter["value"].get<double>();
+    EXPECT_GT(diameter["high"].get<double>(), (1.0 + kContradiction) * value_m);
+    EXPECT_LT(diameter["low"].get<double>(), (1.0 - kContradiction) * value_m);
+    EXPECT_NEAR(measured["areas"][1]["sigma_m"].get<double>(), 0.002, 1e-5);
 }
 
 }  // namespace

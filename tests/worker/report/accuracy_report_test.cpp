@@ -150,6 +150,32 @@ TEST_F(AccuracyReportTest, MeasuresPathAndSurfaceAgainstTheTruth) {
     EXPECT_TRUE(report["passed"].is_null());
 }
 
+// Two segments whose positions relative to each other are a guess that is off by 5 m.
+TEST_F(AccuracyReportTest, FinalAndCausalPathOfSeveralSegmentsAreComparedOverTheLargest) {
+    constexpr std::size_t kSecond = 250;
+    types::Trajectory apart = sway(0.0, Eigen::Vector3d::Zero());
+    const auto interval = [&](std::size_t first, std::size_t last) {
+        return json{
+            {"num_frames", last + 1 - first},
+            {"intervals",
+             {{{"first_ns", apart[first].timestamp_ns}, {"last_ns", apart[last].timestamp_ns}}}}};
+    };
+    json metrics = json::parse(std::ifstream(folder_ / "result/metrics.json"));
+    metrics["pieces"] =
+        json::array({interval(0, kSecond - 1), interval(kSecond, apart.size() - 1)});
+    std::ofstream(folder_ / "result/metrics.json") << metrics;
+    for (std::size_t i = kSecond; i < apart.size(); ++i)
+        apart[i].T_world_imu.translation().x() += 5.0;
+    io::write_tum(folder_ / "result/trajectory.tum", apart);
+    io::write_tum(folder_ / "result/trajectory_causal.tum", apart);
+    give_truth();
+    const json report = make();
+    for (const std::string path : {"trajectory.final.", "trajectory.causal."}) {
+        EXPECT_EQ(metric(report, path + "num_poses")["value"], kSecond);
+        EXPECT_LT(metric(report, path + "ate_rmse_m")["value"].get<double>(), 1e-6);
+    }
+}
+
 TEST_F(AccuracyReportTest, WithoutTruthTheMetricsOfTheReconstructionRemain) {
     request_.requirements = {"coverage>=1", "drift_percent<=0.5"};
     const json report = make();
