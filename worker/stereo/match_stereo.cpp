@@ -15,7 +15,6 @@ namespace {
 
 constexpr int kStep_px = 64;     // of the number of disparities
 constexpr int kMinHalf_px = 40;  // width and height; smaller halves show nothing
-constexpr int kLargeWidth_px = 832;
 
 // Returns how many disparities, px of the whole size, are searched at most at half the size. Half
 // as many again cost little there.
@@ -69,8 +68,9 @@ types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame,
                                      const types::DisparityRange& range) {
     auto& own = *implementation_;
     const bool within_range = own.full_size.searches_within_range();
-    const int limit_px = within_range ? max_disparities_px(own.num_disparities_px, frame.left.cols)
-                                      : own.num_disparities_px;
+    const int limit_px = within_range
+                             ? types::max_disparities_px(own.num_disparities_px, frame.left.cols)
+                             : own.num_disparities_px;
     const auto surveyed = own.survey_of(limit_px).survey(frame.left, frame.right);
     types::DisparityRange searched =
         within_range ? widen(range, surveyed, limit_px) : types::DisparityRange{0, limit_px};
@@ -84,20 +84,13 @@ types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame,
     const types::DepthMap half =
         own.half_size->match(halved(frame), {searched.first_px / 2, (searched.num_px + 1) / 2});
     types::DepthMap depth =
-        frame.left.cols > kLargeWidth_px
+        frame.left.cols > types::kLargeWidth_px
             ? own.full_size.match(frame,
                                   search_tiles(half.disparity_px, frame.left.size(), at_full_size))
             : own.full_size.match(frame, at_full_size);
     combine_scales(half, depth);
     depth.search = outcome_of(searched, surveyed);
     return depth;
-}
-
-int max_disparities_px(int num_disparities_px, int width_px) {
-    constexpr double kShareOfWidth = 0.27;
-    if (width_px <= kLargeWidth_px) return num_disparities_px;
-    const int wide = static_cast<int>(kShareOfWidth * width_px) / kStep_px * kStep_px;
-    return std::max(num_disparities_px, std::min(kMaxDisparities, wide));
 }
 
 }  // namespace divemesh::stereo

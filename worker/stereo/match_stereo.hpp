@@ -20,17 +20,12 @@ public:
     types::DepthMap match(const types::RectifiedFrame& frame);
     // The same; sgm searches within `range`, widened where a survey at a quarter of the size finds
     // disparities beyond: in large images and at half the size also beyond the matcher's own
-    // number, see max_disparities_px().
+    // number, see types::max_disparities_px().
     types::DepthMap match(const types::RectifiedFrame& frame, const types::DisparityRange& range);
 
 private:
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
 };
-
-// Returns how many disparities are searched at most in an image of a width, where its survey shows
-// something near: as many as asked for, and in images of more than 832 px at least 27 % of the
-// width, up to 512. The nearest surface is then as near in large images as in small ones.
-int max_disparities_px(int num_disparities_px, int width_px);
 
 }  // namespace divemesh::stereo
