@@ -165,6 +165,27 @@ TEST(StereoMatcher, SearchesLargeImagesAsNearAsSmallOnes) {
     EXPECT_GT(cv::countNonZero(found), 360 * 220 * 9 / 10);
 }
 
+// Returns a strip of 1920 px: a block at `near_px` on a floor at 100 px. The full size searches 512
+// px, half the size 768.
+types::DepthMap match_near_block(double near_px) {
+    const auto block = [&](double x, double) { return x > 1200.0 && x < 1700.0 ? near_px : 100.0; };
+    const WarpedPair pair = make_warped_pair(block, {.width_px = 1920, .height_px = 240});
+    return StereoMatcher("sgm", 128, 2).match({0, 0, pair.left, pair.right}, {0, 128});
+}
+
+TEST(StereoMatcher, MeasuresWhatOnlyHalfTheSizeReaches) {
+    const types::DepthMap depth = match_near_block(600.0);
+    EXPECT_LT(50 * depth.search.num_too_near, depth.search.num_patches);
+    const cv::Rect inside(1260, 20, 380, 200);
+    const cv::Mat found = cv::abs(depth.disparity_px(inside) - 600.0F) < 2.0F;
+    EXPECT_GT(cv::countNonZero(found), inside.area() / 2);
+}
+
+TEST(StereoMatcher, TellsWhatIsTooNearForHalfTheSize) {
+    const types::DepthMap depth = match_near_block(800.0);
+    EXPECT_GT(10 * depth.search.num_too_near, depth.search.num_patches);
+}
+
 TEST(CensusSgm, EveryInstructionSetGivesTheSameWithinARange) {
     if (base::best_instructions() == base::Instructions::Baseline) GTEST_SKIP() << "no AVX2 here";
     const WarpedPair pair = make_warped_pair(slanted);
