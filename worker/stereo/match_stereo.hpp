@@ -9,7 +9,8 @@ namespace divemesh::stereo {
 
 // Step 1: the dense stereo matcher. Its methods are block, sgm and opencv_sgbm. All give sub-pixel
 // disparities with a standard deviation and leave pixels without texture unknown. With two scales
-// sgm also matches the images at half their size, see combine_scales().
+// sgm also matches the images at half their size, see combine_scales(). Images of more than 832 px
+// it matches by tiles in any case, within what half the size sees there, see search_tiles().
 class StereoMatcher {
 public:
     StereoMatcher(const std::string& method, int num_disparities_px, int num_scales = 1);
@@ -19,7 +20,7 @@ public:
 
     types::DepthMap match(const types::RectifiedFrame& frame);
     // The same; sgm searches within `range`, widened where a survey at a quarter of the size finds
-    // disparities beyond: in large images and at half the size also beyond the matcher's own
+    // disparities beyond: in large images and with two scales also beyond the matcher's own
     // number, see types::max_disparities_px().
     types::DepthMap match(const types::RectifiedFrame& frame, const types::DisparityRange& range);
 
