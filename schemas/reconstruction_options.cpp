@@ -15,7 +15,7 @@ void for_each_option(Options& options, Visit&& visit) {
     // clang-format off
     visit("align_cameras", options.align_cameras, "estimate the right camera's pose relative to the left one from the images, and the medium of the calibration, and use them where they differ from what is stated");
     visit("stereo", options.stereo, "stereo matcher: block (sum of absolute differences, the paper), sgm or opencv_sgbm");
-    visit("num_disparities_px", options.num_disparities_px, "disparity search range in px of the images as reduced, a multiple of 16");
+    visit("num_disparities_px", options.num_disparities_px, "disparity search range in px of the images as reduced, a multiple of 16; features and sgm search images wider than 832 px farther");
     visit("stereo_scales", options.stereo_scales, "image sizes at which sgm matches: 1 the full size, 2 also half of it (weak texture, haze)");
     visit("num_features", options.num_features, "features tracked per frame");
     visit("max_width_px", options.max_width_px, "images that are wider are reconstructed at a half, a third, ... of their size; 0: at full size");

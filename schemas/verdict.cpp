@@ -42,6 +42,7 @@ constexpr Row kRows[] = {
     {"scale_not_corrected",         "scale"},
     {"scale_corrected",             "scale"},
     {"scene_too_near",              "surface"},
+    {"depth_left_out",              "surface"},
     {"camera_unsharp",              "surface"},
     {"images_bayer",                "surface"},
     {"images_soft",                 "surface"},

@@ -7,11 +7,13 @@
 #include <random>
 
 #include "worker/features/corner_scores.hpp"
+#include "worker/types/disparity_range.hpp"
 
 namespace divemesh::features {
 namespace {
 
 constexpr std::size_t kMaxKeypoints = 500;
+constexpr int kDescribedSize_px = 720;
 constexpr int kNumLevels = 4;
 constexpr double kLevelScale = 1.4;
 constexpr int kCell_px = 36;    // one corner per cell on every level
@@ -91,11 +93,21 @@ Descriptor describe(const cv::Mat& smooth, int column, int row, std::size_t turn
 
 }  // namespace
 
+double description_scale(cv::Size size) {
+    const int longer_px = std::max(size.width, size.height);
+    return longer_px > types::kLargeWidth_px ? static_cast<double>(longer_px) / kDescribedSize_px
+                                             : 1.0;
+}
+
 DescribedKeypoints describe_keypoints(const cv::Mat& left) {
     DescribedKeypoints view;
+    const auto reduced_by = [&](double scale) {
+        return cv::Size(cvRound(left.cols / scale), cvRound(left.rows / scale));
+    };
+    double scale = description_scale(left.size());
     cv::Mat level = left;
+    if (scale > 1.0) cv::resize(left, level, reduced_by(scale), 0.0, 0.0, cv::INTER_AREA);
     CornerScores scores;
-    double scale = 1.0;
     for (int i = 0; i < kNumLevels && std::min(level.cols, level.rows) > 4 * kBorder_px; ++i) {
         cv::Mat smooth;
         cv::GaussianBlur(level, smooth, cv::Size(7, 7), 2.0);
@@ -115,12 +127,7 @@ DescribedKeypoints describe_keypoints(const cv::Mat& left) {
         }
         scale *= kLevelScale;
         const cv::Mat finer = level;
-        cv::resize(finer,
-                   level,
-                   {cvRound(left.cols / scale), cvRound(left.rows / scale)},
-                   0.0,
-                   0.0,
-                   cv::INTER_LINEAR);
+        cv::resize(finer, level, reduced_by(scale), 0.0, 0.0, cv::INTER_LINEAR);
     }
     return view;
 }

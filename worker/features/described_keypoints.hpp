@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 #include <vector>
 
 namespace divemesh::features {
@@ -31,6 +32,10 @@ struct DescribedKeypoint {
 // The keypoints by which a keyframe is recognised: corners at four scales, spread over the image,
 // at most 500.
 using DescribedKeypoints = std::vector<DescribedKeypoint>;
+
+// Returns the pixel size of the finest of these scales, px: 1, but images of more than 832 px are
+// described at 720 px (the longer side), so that the keypoints are spread over all of it.
+double description_scale(cv::Size size);
 
 // Returns the keypoints of an image (CV_8UC1); their disparities are unknown. Corners are chosen by
 // score (Shi and Tomasi 1994). Their orientation (by the intensity centroid) and the rotated binary

@@ -1,9 +1,11 @@
 #include "worker/features/match_sparse_stereo.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "worker/features/align_patch.hpp"
 #include "worker/features/epipolar_search.hpp"
+#include "worker/types/disparity_range.hpp"
 
 namespace divemesh::features {
 namespace {
@@ -11,6 +13,7 @@ namespace {
 constexpr double kMinCorrelation = 0.8;
 constexpr double kMinDisparity_px = 1.0;
 constexpr double kMaxRowOffset_px = 1.0;
+constexpr double kNearer = 1.33;  // times a known disparity
 
 // Returns the refined disparity. The patch moves in both directions: otherwise a slightly wrong
 // rectification would turn slanted edges into disparity.
@@ -31,6 +34,17 @@ double dense_at(const cv::Mat& dense_px, const Eigen::Vector2d& pixel) {
     const int v = static_cast<int>(std::lround(pixel.y()));
     if (u < 0 || v < 0 || u >= dense_px.cols || v >= dense_px.rows) return 0.0;
     return dense_px.at<float>(v, u);
+}
+
+// Returns how many disparities are searched for a feature: where its depth is known, a large image
+// need not be searched for all that may be near.
+int num_searched(const types::RectifiedFrame& frame,
+                 int num_disparities_px,
+                 const types::Feature& feature) {
+    const int limit_px = types::max_disparities_px(num_disparities_px, frame.left.cols);
+    if (!types::has_depth(feature)) return limit_px;
+    const double nearer_px = kNearer * std::min<double>(feature.disparity_px, limit_px);
+    return std::clamp(static_cast<int>(std::ceil(nearer_px)), num_disparities_px, limit_px);
 }
 
 double measure(const types::RectifiedFrame& frame,
@@ -54,7 +68,7 @@ double measure(const types::RectifiedFrame& frame,
                                frame.right,
                                static_cast<int>(std::lround(feature.pixel.x())),
                                static_cast<int>(std::lround(feature.pixel.y())),
-                               num_disparities_px);
+                               num_searched(frame, num_disparities_px, feature));
     return found > 0 ? refine(*patch, frame.right, feature, found) : 0.0;
 }
 

@@ -30,6 +30,13 @@ struct VolumeSettings {
     double median_voxel_m() const;  // of surface at the dive's median depth
 };
 
+// The pixels with depth of the fused frames, and those of them that make no surface anywhere.
+struct FusedPixels {
+    std::int64_t num = 0;
+    std::int64_t num_too_far = 0;    // beyond VolumeSettings::max_depth_m
+    std::int64_t num_too_vague = 0;  // nearer, but less certain than the coarsest level allows
+};
+
 // Step 7: fuses what the keyframes saw in the world frame, in an octree of points (the paper) or a
 // sparse truncated signed distance field, by `options.fusion`.
 class Volume {
@@ -51,9 +58,12 @@ public:
     virtual void trim() const = 0;                        // spills what exceeds settings().spill
     double voxel_m() const { return settings_.voxel_m; }  // of level 0
     const VolumeSettings& settings() const { return settings_; }
+    // Returns the pixels that were added; a volume from a file does not know them.
+    const FusedPixels& fused_pixels() const { return fused_pixels_; }
 
 protected:
     VolumeSettings settings_;
+    FusedPixels fused_pixels_;
 };
 
 // Returns settings of one level. `options.voxel_m` and `max_depth_m` of 0 are chosen from the rig

@@ -96,7 +96,7 @@ LevelPlanner::Planned LevelPlanner::finish() const {
     std::vector<BlockCoordinate> blocks;
     int finest = 0;
     for (const auto& [block, frames] : with_parents()) {
-        if (!frames.several && num_frames_ > 1) continue;
+        if (block.level < 0 && !frames.several && num_frames_ > 1) continue;
         if (std::ldexp(voxel_m_, block.level) < kMinVoxel_m) continue;
         finest = std::min(finest, block.level);
         blocks.push_back(block);

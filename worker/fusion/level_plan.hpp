@@ -50,8 +50,8 @@ private:
 };
 
 // Plans levels from what a dive's frames saw: a place is sampled as finely as the second-nearest
-// frame that saw it allows. A near object in only one frame, such as a fish, does not refine the
-// plan.
+// frame that saw it allows. One frame alone, which may show a fish, refines it no further than the
+// voxel of the median depth.
 class LevelPlanner {
 public:
     // `voxel_m` suits surface at `median_depth_m`.

@@ -37,7 +37,12 @@ void OctreeVolume::add(const types::Keyframe& keyframe, const DepthView& depth) 
     for (int v = 0; v < depth.rig().height_px; ++v)
         for (int u = 0; u < depth.rig().width_px; ++u) {
             const SurfacePixel& pixel = depth.pixel(u, v);
-            if (pixel.weight <= 0.0F || pixel.depth_m > settings_.max_depth_m) continue;
+            if (pixel.weight <= 0.0F) continue;
+            ++fused_pixels_.num;
+            if (pixel.depth_m > settings_.max_depth_m) {
+                ++fused_pixels_.num_too_far;
+                continue;
+            }
             const double z = pixel.depth_m;
             const double sigma_z = z * z * pixel.sigma_disparity_px * sigma_scale;
             const Eigen::Map<const Eigen::Vector3f> normal(pixel.normal);

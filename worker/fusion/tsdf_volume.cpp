@@ -162,7 +162,7 @@ void TsdfVolume::allocate(std::span<const TsdfView> views,
     for (int v = 0; v < finest.height_px; v += step_px)
         for (int u = 0; u < finest.width_px; u += step_px) {
             const SurfacePixel& pixel = depth.pixel(u, v);
-            if (!makes_surface(views.back(), pixel)) continue;
+            if (!count(views.back(), pixel)) continue;
             const Eigen::Vector3f ray =
                 T_voxel_cam.linear() * depth.rig().point_cam(u, v, 1.0).cast<float>();
             const std::size_t level =
@@ -188,6 +188,15 @@ void TsdfVolume::allocate(std::span<const TsdfView> views,
                 if (is_new) add_block(place.block);
             }
         }
+}
+
+bool TsdfVolume::count(const TsdfView& coarsest, const SurfacePixel& pixel) {
+    if (pixel.weight <= 0.0F) return false;
+    ++fused_pixels_.num;
+    if (makes_surface(coarsest, pixel)) return true;
+    ++(pixel.depth_m > coarsest.max_depth_m ? fused_pixels_.num_too_far
+                                            : fused_pixels_.num_too_vague);
+    return false;
 }
 
 void TsdfVolume::add_block(const BlockCoordinate& block) {

@@ -46,6 +46,8 @@ private:
     void allocate(std::span<const TsdfView> views,
                   const types::Keyframe& keyframe,
                   const DepthView& depth);
+    // Counts a pixel. Returns whether it may make surface at any level.
+    bool count(const TsdfView& coarsest, const SurfacePixel& pixel);
     void update(const TsdfView& view, const BlockRegions& regions);
     void add_block(const BlockCoordinate& block);
     TsdfBlock& block(std::uint32_t number);

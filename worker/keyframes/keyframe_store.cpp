@@ -16,15 +16,31 @@
 namespace divemesh::keyframes {
 namespace {
 
+// Of disparities below 512 px, and of the larger ones that half the size finds in wide images.
 constexpr float kDisparityStep_px = 1.0F / 128.0F;
+constexpr float kNearDisparityStep_px = 1.0F / 64.0F;
 constexpr float kSigmaStep_px = 1.0F / 64.0F;
+constexpr char kNearMagic[4] = {'D', 'M', 'K', '3'};
 constexpr char kViewMagic[4] = {'D', 'M', 'V', '1'};
 
 struct Header {
-    char magic[4] = {'D', 'M', 'K', '2'};
+    char magic[4] = {'D', 'M', 'K', '2'};  // or kNearMagic: the step of the disparities
     std::int32_t width_px = 0;
     std::int32_t height_px = 0;
+
+    bool is_near() const { return std::memcmp(magic, kNearMagic, sizeof magic) == 0; }
+    float disparity_step_px() const {
+        return is_near() ? kNearDisparityStep_px : kDisparityStep_px;
+    }
 };
+
+// Returns whether a disparity is larger than the finer step can store.
+bool has_near(const cv::Mat& disparity_px) {
+    constexpr float kMax_px = kDisparityStep_px * std::numeric_limits<std::uint16_t>::max();
+    const float* first = disparity_px.ptr<float>();
+    return std::any_of(
+        first, first + disparity_px.total(), [](float value) { return value > kMax_px; });
+}
 
 // Quantises values >= 0; values out of range become the max.
 template <typename Stored>
@@ -103,7 +119,8 @@ struct KeyframeFile {
 }
 
 bool is_valid(const Header& header) {
-    return std::memcmp(header.magic, Header{}.magic, sizeof header.magic) == 0 &&
+    return (header.is_near() ||
+            std::memcmp(header.magic, Header{}.magic, sizeof header.magic) == 0) &&
            header.width_px >= 0 && header.height_px >= 0;
 }
 
@@ -152,10 +169,11 @@ void KeyframeStore::write(int frame_index, const types::DepthMap& depth) const {
     const cv::Mat& disparity = depth.disparity_px;
     std::vector<std::uint16_t> disparities;
     std::vector<std::uint8_t> sigmas;
-    quantise(disparity, kDisparityStep_px, disparities);
+    Header header;
+    if (has_near(disparity)) std::copy_n(kNearMagic, sizeof kNearMagic, header.magic);
+    quantise(disparity, header.disparity_step_px(), disparities);
     quantise(depth.sigma_disparity_px, kSigmaStep_px, sigmas);
 
-    Header header;
     header.width_px = disparity.cols;
     header.height_px = disparity.rows;
     write_file(file_of(frame_index, "keyframe"),
@@ -204,7 +222,7 @@ types::KeyframeImages KeyframeStore::read(int frame_index) const {
     const KeyframeFile file = read_keyframe(file_of(frame_index, "keyframe"));
     types::KeyframeImages images;
     images.depth.disparity_px =
-        restored(file.disparities(), file.header, CV_16U, kDisparityStep_px);
+        restored(file.disparities(), file.header, CV_16U, file.header.disparity_step_px());
     images.depth.sigma_disparity_px = restored(file.sigmas(), file.header, CV_8U, kSigmaStep_px);
     if (left_in_color_) images.left_color = left_in_color_(frame_index);
     if (rerectifier_) images = rerectifier_->moved(images);
@@ -221,6 +239,7 @@ cv::Mat KeyframeStore::read_disparities(int frame_index, int step_px) const {
     if (std::filesystem::file_size(path) !=
         sizeof header + 3 * static_cast<std::uintmax_t>(header.width_px) * header.height_px)
         refuse_incomplete(path);
+    const float quantum_px = header.disparity_step_px();
     std::vector<std::uint16_t> row(static_cast<std::size_t>(header.width_px));
     cv::Mat disparities((header.height_px + step_px - 1) / step_px,
                         (header.width_px + step_px - 1) / step_px,
@@ -230,7 +249,7 @@ cv::Mat KeyframeStore::read_disparities(int frame_index, int step_px) const {
         if (!file.read(reinterpret_cast<char*>(row.data()), row_bytes)) refuse_incomplete(path);
         for (int x = 0; x < disparities.cols; ++x)
             disparities.at<float>(y, x) =
-                kDisparityStep_px * static_cast<float>(row[static_cast<std::size_t>(x) * step_px]);
+                quantum_px * static_cast<float>(row[static_cast<std::size_t>(x) * step_px]);
     }
     return disparities;
 }

@@ -13,8 +13,9 @@ namespace divemesh::keyframes {
 
 // The store on disk, one file each, of the depth of the mapped frames and of the grey images and
 // keypoints of the keyframes, so that memory does not grow with the dive and every later stage can
-// start from the store. Disparity is stored to 1/128 px, sigma to 1/64 px. Colour is read from the
-// recording again: encoding and storing it here would cost more than decoding it twice.
+// start from the store. Disparity is stored to 1/128 px, in frames with disparities of 512 px and
+// more to 1/64 px (up to 1024 px), sigma to 1/64 px. Colour is read from the recording again:
+// encoding and storing it here would cost more than decoding it twice.
 // Thread-safe, if each frame is written by one thread only.
 class KeyframeStore {
 public:

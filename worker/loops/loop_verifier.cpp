@@ -1,6 +1,9 @@
 #include "worker/loops/loop_verifier.hpp"
 
+#include <cmath>
+
 #include "worker/base/rotation_vector.hpp"
+#include "worker/features/described_keypoints.hpp"
 #include "worker/loops/match_keypoints.hpp"
 #include "worker/stats/median.hpp"
 
@@ -45,7 +48,9 @@ LoopVerifier::LoopVerifier(const types::RectifiedRig& rig,
 std::optional<Loop> LoopVerifier::verify(std::size_t from, std::size_t to, std::uint64_t seed) {
     const auto T_to_from = register_keypoints(rig_, views_[from], views_[to], seed);
     if (!T_to_from) return std::nullopt;
-    return measure(from, to, *T_to_from);
+    // The pose is accurate to some pixels of the images as described.
+    const double scale = features::description_scale({rig_.width_px, rig_.height_px});
+    return measure(from, to, *T_to_from, static_cast<int>(std::lround(std::log2(scale))));
 }
 
 std::optional<Loop> LoopVerifier::measure(std::size_t from,

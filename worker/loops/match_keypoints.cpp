@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kMaxHammingDistance = 72;
 constexpr double kRatio = 0.85;
-constexpr double kTolerance_px = 4.0;  // corners are at whole pixels of their level
+// Of the images as described; corners are at whole pixels of their level.
+constexpr double kTolerance_px = 4.0;
 constexpr std::size_t kMinAgreeing = 12;
 constexpr double kSigma_px = 1.0;  // of a corner's position, on its own level
 
@@ -62,8 +63,10 @@ std::optional<Eigen::Isometry3d> register_keypoints(const types::RectifiedRig& r
                                                     const features::DescribedKeypoints& a,
                                                     const features::DescribedKeypoints& b,
                                                     std::uint64_t seed) {
+    const double tolerance_px =
+        kTolerance_px * features::description_scale({rig.width_px, rig.height_px});
     const odometry::Registration found =
-        odometry::register_points(rig, match_keypoints(rig, a, b), kTolerance_px, seed);
+        odometry::register_points(rig, match_keypoints(rig, a, b), tolerance_px, seed);
     if (!found.found || found.inliers.size() < kMinAgreeing) return std::nullopt;
     return odometry::refine_pose(rig, found.inliers, {found.T_current_previous, std::nullopt, 0.0})
         .T_current_previous;

@@ -15,7 +15,8 @@ namespace {
 void write_cloud(Reconstruction& made, std::shared_ptr<const fusion::OctreeVolume> cloud) {
     const auto points = std::make_shared<const fusion::ConfirmedPoints>(
         cloud->octrees(), *made.volume, made.options().num_threads);
-    made.cloud = {points->size(), cloud->settings().median_voxel_m(), 0, 0};
+    made.cloud = {
+        points->size(), cloud->settings().median_voxel_m(), 0, 0, made.volume->fused_pixels()};
     for (const fusion::PointOctree& octree : cloud->octrees()) {
         made.cloud.num_octree_points += octree.num_points();
         made.cloud.octree_bytes += octree.size_bytes();
@@ -72,6 +73,7 @@ void finish_fuse(Reconstruction& made) {
     made.voxels = {settings.median_voxel_m(),
                    settings.voxel_m,
                    std::ldexp(settings.voxel_m, settings.levels->num_levels() - 1)};
+    made.max_depth_m = settings.max_depth_m;
     made.volume_memory_bytes = made.volume->memory_bytes();
 }
 

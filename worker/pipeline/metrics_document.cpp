@@ -17,6 +17,7 @@
 #include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/io/rig_json.hpp"
 #include "worker/io/solver_json.hpp"
+#include "worker/types/disparity_range.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -360,15 +361,20 @@ std::optional<Finding> find_too_near(const MetricsInput& input) {
     const double share =
         static_cast<double>(dense.num_too_near) / static_cast<double>(dense.num_patches);
     if (share <= kTolerated) return std::nullopt;
+    int searched_px = input.options.num_disparities_px;
+    if (input.options.stereo == "sgm")
+        searched_px =
+            types::max_disparities_px(searched_px, input.rig.cam0.width_px / input.reduction);
+    const std::string again = searched_px < types::kMaxDisparities
+                                  ? "reconstruct again with a larger num_disparities_px, and "
+                                  : "";
     return Finding{Severity::Warning,
                    "scene_too_near",
                    "",
                    base::fixed(100.0 * share, 0) +
                        " % of the scene was too close for the disparity search range (" +
-                       std::to_string(input.options.num_disparities_px) +
-                       " px) and is missing from the mesh",
-                   "reconstruct again with a larger num_disparities_px, and keep more distance on "
-                   "the next dive"};
+                       std::to_string(searched_px) + " px) and is missing from the mesh",
+                   again + "keep more distance on the next dive"};
 }
 
 }  // namespace

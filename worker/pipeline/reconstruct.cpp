@@ -20,8 +20,9 @@
 namespace divemesh::pipeline {
 namespace {
 
-constexpr std::size_t kCloudStep = 6;  // every n-th mapped frame
-constexpr int kPlannedColumns = 80;    // of a frame's depth map by which levels are planned
+constexpr std::size_t kCloudStep = 6;   // every n-th mapped frame
+constexpr int kPlannedColumns = 80;     // of a frame's depth map by which levels are planned
+constexpr int kMaxPlannedStep_px = 12;  // about half a block as the frame sees it
 
 types::OptimisedTrack as_tracked(const types::Track& track) {
     types::OptimisedTrack result;
@@ -89,7 +90,7 @@ fusion::VolumeSettings settings_of_volume(const FramesToFuse& input,
     if (options.voxel_m > 0.0 || options.fusion != "tsdf" || options.mesher != "surface_nets")
         return settings;
     fusion::LevelPlanner planner(input.rig, settings.voxel_m, median_m);
-    const int step_px = std::max(1, input.rig.width_px / kPlannedColumns);
+    const int step_px = std::clamp(input.rig.width_px / kPlannedColumns, 1, kMaxPlannedStep_px);
     for (const types::Keyframe& frame : input.frames)
         planner.add(
             frame.T_world_cam, input.store.read_disparities(frame.frame_index, step_px), step_px);

@@ -83,6 +83,7 @@ struct Reconstruction {
     // fuse
     std::unique_ptr<fusion::Volume> volume;  // until the mesh is extracted
     VoxelSizes voxels;
+    double max_depth_m = 0.0;  // of what was fused
     std::int64_t volume_memory_bytes = 0;
     CloudMetrics cloud;
 

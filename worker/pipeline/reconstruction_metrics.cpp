@@ -78,7 +78,10 @@ std::vector<Finding> findings(const Reconstruction& made,
     add(scale_finding(expected));
     add(bounds_finding(expected, segments.size()));
     add(shutter_finding(made.refined()));
-    if (made.options().surface) add(surface_finding(std::ssize(made.surface.mesh.triangles)));
+    if (made.options().surface) {
+        add(left_out_finding(made.cloud.fused, made.max_depth_m, made.voxels, made.options()));
+        add(surface_finding(std::ssize(made.surface.mesh.triangles)));
+    }
     return all;
 }
 

@@ -10,6 +10,12 @@ namespace {
 
 constexpr std::size_t kMaxSegments = 8;  // listed one by one
 
+// Shares of the fused depth. Cameras that look ahead over flat ground have a fifth of their image
+// beyond 2.4 times its median depth, which is the reach of one voxel for all if it is chosen from
+// the range. Uncertain depth is mostly measured again from nearer.
+constexpr double kMaxTooFar = 0.25;
+constexpr double kMaxLeftOut = 0.5;
+
 std::string list_of(const std::vector<types::TrackingSegment>& segments) {
     std::string text;
     for (std::size_t i = 0; i < std::min(segments.size(), kMaxSegments); ++i)
@@ -80,6 +86,33 @@ std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibrat
                        "far as motion "
                        "and depth are known",
                    "swim slowly and steadily, or record with cameras that have a global shutter"};
+}
+
+std::optional<Finding> left_out_finding(const fusion::FusedPixels& pixels,
+                                        double max_depth_m,
+                                        const VoxelSizes& voxels,
+                                        const ReconstructionOptions& options) {
+    const std::int64_t num_too_far = options.max_depth_m > 0.0 ? 0 : pixels.num_too_far;
+    const std::int64_t num = pixels.num - pixels.num_too_far + num_too_far;
+    if (num == 0) return std::nullopt;
+    const double too_far = static_cast<double>(num_too_far) / static_cast<double>(num);
+    const double too_vague = static_cast<double>(pixels.num_too_vague) / static_cast<double>(num);
+    if (too_far <= kMaxTooFar && too_far + too_vague <= kMaxLeftOut) return std::nullopt;
+    return Finding{
+        Severity::Warning,
+        "depth_left_out",
+        "",
+        base::fixed(100.0 * (too_far + too_vague), 0) +
+            " % of the measured depth was too uncertain for voxels of " +
+            base::fixed(1000.0 * voxels.coarsest_m, 0) +
+            " mm and is missing where nothing nearer saw it: " + base::fixed(100.0 * too_far, 0) +
+            " % lies beyond " + base::fixed(max_depth_m, 1) + " m, " +
+            base::fixed(100.0 * too_vague, 0) + " % is nearer",
+        options.voxel_m > 0.0
+            ? "reconstruct again with a larger voxel_m, or without it: then the voxel grows with "
+              "the distance"
+            : "go nearer to what you record, with more light from the side; a larger voxel_m "
+              "reaches farther, but shows less detail"};
 }
 
 std::optional<Finding> surface_finding(std::int64_t num_triangles) {

@@ -5,7 +5,9 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
+#include "schemas/reconstruction_options.hpp"
 #include "worker/evaluation/expected_accuracy.hpp"
+#include "worker/pipeline/map_metrics.hpp"
 #include "worker/types/refined_calibration.hpp"
 #include "worker/types/tracking_segment.hpp"
 
@@ -24,6 +26,13 @@ std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expect
 
 // Returns a warning if a rolling shutter bends the images.
 std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibration);
+
+// Returns a warning if much of the fused depth makes no surface: more than a quarter lies beyond
+// `max_depth_m` (unless the user chose that), or more than half is too far or too uncertain.
+std::optional<Finding> left_out_finding(const fusion::FusedPixels& pixels,
+                                        double max_depth_m,
+                                        const VoxelSizes& voxels,
+                                        const ReconstructionOptions& options);
 
 // Returns an error if a surface without triangles was made.
 std::optional<Finding> surface_finding(std::int64_t num_triangles);

@@ -204,8 +204,10 @@ std::optional<FrameToMap> WindowTracker::to_map(const types::RectifiedFrame& fra
                                       odometry::median_disparity_px(state_.features)};
     if (!kept && !(vision.found && mapping_rule_.due(view))) return std::nullopt;
     mapping_rule_.taken(view);
-    const types::DisparityRange range =
-        stereo::disparity_search_range(state_.features, state_.options.num_disparities_px);  // 1
+    const types::DisparityRange range = stereo::disparity_search_range(  // 1
+        state_.features,
+        state_.options.num_disparities_px,
+        state_.rig.width_px);
     return FrameToMap{frame,
                       {},
                       {std::move(view_),

@@ -15,9 +15,10 @@ constexpr double kMatcherError_px = 2.0;  // winners at the ends of the range ar
 }  // namespace
 
 types::DisparityRange disparity_search_range(const types::Features& features,
-                                             int num_disparities_px) {
-    const types::DisparityRange whole{0, num_disparities_px};
-    double min_disparity = num_disparities_px;
+                                             int num_disparities_px,
+                                             int width_px) {
+    const int limit_px = types::max_disparities_px(num_disparities_px, width_px);
+    double min_disparity = limit_px;
     double largest = 0.0;
     int num_features = 0;
     for (const types::Feature& feature : features) {
@@ -26,15 +27,15 @@ types::DisparityRange disparity_search_range(const types::Features& features,
         largest = std::max(largest, feature.disparity_px);
         ++num_features;
     }
-    if (num_features < kMinFeatures) return whole;
+    if (num_features < kMinFeatures) return {0, num_disparities_px};
     const int first =
         std::max(0, static_cast<int>(std::floor(kFarther * min_disparity - kMatcherError_px)));
     const int end = static_cast<int>(std::ceil(kNearer * largest + kMatcherError_px)) + 1;
     const int num = (end - first + kStep_px - 1) / kStep_px * kStep_px;
-    if (num >= num_disparities_px) return whole;
+    if (num >= limit_px) return {0, limit_px};
     // Rounding up extends the range equally at both ends.
     const int earlier = first - (num - (end - first)) / 2;
-    return {std::clamp(earlier, 0, num_disparities_px - num), num};
+    return {std::clamp(earlier, 0, limit_px - num), num};
 }
 
 }  // namespace divemesh::stereo

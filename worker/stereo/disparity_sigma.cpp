@@ -16,6 +16,10 @@ namespace {
 constexpr int kWindow_px = 7;
 constexpr double kMinNoise = 0.5;  // grey values: quantisation and a bit more
 constexpr double kMaxNoise = 8.0;  // more than that is texture
+// Darker and brighter pixels are clipped and show no noise: the surround of a fisheye image, water
+// out of reach of the lamps.
+constexpr int kMinGrey = 3;
+constexpr int kMaxGrey = 252;
 
 struct Noise {
     float energy;
@@ -47,12 +51,15 @@ double image_noise(const cv::Mat& image) {
         const std::uint8_t* a = image.ptr<std::uint8_t>(y - 1);
         const std::uint8_t* b = image.ptr<std::uint8_t>(y);
         const std::uint8_t* c = image.ptr<std::uint8_t>(y + 1);
-        for (int x = 1; x + 1 < image.cols; x += 2, ++num) {
+        for (int x = 1; x + 1 < image.cols; x += 2) {
+            if (b[x] < kMinGrey || b[x] > kMaxGrey) continue;
             const int second = a[x - 1] - 2 * a[x] + a[x + 1] - 2 * b[x - 1] + 4 * b[x] -
                                2 * b[x + 1] + c[x - 1] - 2 * c[x] + c[x + 1];
             ++histogram[std::min(std::abs(second), 2047)];
+            ++num;
         }
     }
+    if (num == 0) return kMinNoise;
     // The lower quartile of |N(0, 6 s)| is 0.3186 * 6 s.
     const std::int64_t quarter = num / 4;
     std::int64_t below = 0;

@@ -8,7 +8,7 @@ namespace divemesh::stereo {
 
 // Returns the standard deviation of the image noise in grey values, from the second differences of
 // CV_8UC1 (Immerkaer 1996, with a low quantile instead of the mean, so that texture does not
-// count).
+// count) around pixels that are not clipped to black or white.
 double image_noise(const cv::Mat& image);
 
 // Returns the standard deviation of a match at each pixel of CV_8UC1 given the texture around it,

@@ -13,9 +13,8 @@
 namespace divemesh::stereo {
 namespace {
 
-constexpr int kStep_px = 64;     // of the number of disparities
+constexpr int kStep_px = 64;     // of the number of disparities; the narrowest search of a tile
 constexpr int kMinHalf_px = 40;  // width and height; smaller halves show nothing
-constexpr int kLargeWidth_px = 832;
 
 // Returns how many disparities, px of the whole size, are searched at most at half the size. Half
 // as many again cost little there.
@@ -36,8 +35,12 @@ types::RectifiedFrame halved(const types::RectifiedFrame& frame) {
 }  // namespace
 
 struct StereoMatcher::Implementation {
-    Implementation(const std::string& method, int num_disparities)
-        : num_disparities_px(num_disparities), full_size(method, num_disparities) {}
+    Implementation(const std::string& method, int num_disparities, int num_scales)
+        : num_disparities_px(num_disparities),
+          combines_scales(num_scales > 1),
+          full_size(method, num_disparities) {
+        if (full_size.searches_within_range()) half_size.emplace(method, num_disparities);
+    }
 
     // Makes the survey at the first frame, which tells the size of the images.
     CoarseDisparitySearch& survey_of(int limit_px) {
@@ -47,6 +50,7 @@ struct StereoMatcher::Implementation {
     }
 
     int num_disparities_px;
+    bool combines_scales;
     SingleScaleMatcher full_size;
     std::optional<SingleScaleMatcher> half_size;
     std::optional<CoarseDisparitySearch> survey;
@@ -54,10 +58,7 @@ struct StereoMatcher::Implementation {
 };
 
 StereoMatcher::StereoMatcher(const std::string& method, int num_disparities_px, int num_scales)
-    : implementation_(std::make_unique<Implementation>(method, num_disparities_px)) {
-    if (num_scales > 1 && implementation_->full_size.searches_within_range())
-        implementation_->half_size.emplace(method, num_disparities_px);
-}
+    : implementation_(std::make_unique<Implementation>(method, num_disparities_px, num_scales)) {}
 
 StereoMatcher::~StereoMatcher() = default;
 
@@ -69,35 +70,30 @@ types::DepthMap StereoMatcher::match(const types::RectifiedFrame& frame,
                                      const types::DisparityRange& range) {
     auto& own = *implementation_;
     const bool within_range = own.full_size.searches_within_range();
-    const int limit_px = within_range ? max_disparities_px(own.num_disparities_px, frame.left.cols)
-                                      : own.num_disparities_px;
+    const int limit_px = within_range
+                             ? types::max_disparities_px(own.num_disparities_px, frame.left.cols)
+                             : own.num_disparities_px;
     const auto surveyed = own.survey_of(limit_px).survey(frame.left, frame.right);
-    types::DisparityRange searched =
+    const types::DisparityRange at_full_size =
         within_range ? widen(range, surveyed, limit_px) : types::DisparityRange{0, limit_px};
-    if (!own.half_size || std::min(frame.left.cols, frame.left.rows) / 2 < kMinHalf_px) {
-        types::DepthMap depth = own.full_size.match(frame, searched);
-        depth.search = outcome_of(searched, surveyed);
-        return depth;
-    }
-    const types::DisparityRange at_full_size = searched;
-    searched = widen(searched, surveyed, max_half_disparities_px(limit_px));
-    const types::DepthMap half =
-        own.half_size->match(halved(frame), {searched.first_px / 2, (searched.num_px + 1) / 2});
+    const bool has_half =
+        own.half_size && std::min(frame.left.cols, frame.left.rows) / 2 >= kMinHalf_px;
+    const bool combines = has_half && own.combines_scales;
+    const bool by_tiles =
+        has_half && frame.left.cols > types::kLargeWidth_px && at_full_size.num_px > kStep_px;
+    const types::DisparityRange searched =
+        combines ? widen(at_full_size, surveyed, max_half_disparities_px(limit_px)) : at_full_size;
+    types::DepthMap half;
+    if (combines || by_tiles)
+        half =
+            own.half_size->match(halved(frame), {searched.first_px / 2, (searched.num_px + 1) / 2});
     types::DepthMap depth =
-        frame.left.cols > kLargeWidth_px
-            ? own.full_size.match(frame,
-                                  search_tiles(half.disparity_px, frame.left.size(), at_full_size))
-            : own.full_size.match(frame, at_full_size);
-    combine_scales(half, depth);
+        by_tiles ? own.full_size.match(
+                       frame, search_tiles(half.disparity_px, frame.left.size(), at_full_size))
+                 : own.full_size.match(frame, at_full_size);
+    if (combines) combine_scales(half, depth);
     depth.search = outcome_of(searched, surveyed);
     return depth;
-}
-
-int max_disparities_px(int num_disparities_px, int width_px) {
-    constexpr double kShareOfWidth = 0.27;
-    if (width_px <= kLargeWidth_px) return num_disparities_px;
-    const int wide = static_cast<int>(kShareOfWidth * width_px) / kStep_px * kStep_px;
-    return std::max(num_disparities_px, std::min(kMaxDisparities, wide));
 }
 
 }  // namespace divemesh::stereo

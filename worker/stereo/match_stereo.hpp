@@ -9,7 +9,8 @@ namespace divemesh::stereo {
 
 // Step 1: the dense stereo matcher. Its methods are block, sgm and opencv_sgbm. All give sub-pixel
 // disparities with a standard deviation and leave pixels without texture unknown. With two scales
-// sgm also matches the images at half their size, see combine_scales().
+// sgm also matches the images at half their size, see combine_scales(). Images of more than 832 px
+// it matches by tiles in any case, within what half the size sees there, see search_tiles().
 class StereoMatcher {
 public:
     StereoMatcher(const std::string& method, int num_disparities_px, int num_scales = 1);
@@ -19,18 +20,13 @@ public:
 
     types::DepthMap match(const types::RectifiedFrame& frame);
     // The same; sgm searches within `range`, widened where a survey at a quarter of the size finds
-    // disparities beyond: in large images and at half the size also beyond the matcher's own
-    // number, see max_disparities_px().
+    // disparities beyond: in large images and with two scales also beyond the matcher's own
+    // number, see types::max_disparities_px().
     types::DepthMap match(const types::RectifiedFrame& frame, const types::DisparityRange& range);
 
 private:
     struct Implementation;
     std::unique_ptr<Implementation> implementation_;
 };
-
-// Returns how many disparities are searched at most in an image of a width, where its survey shows
-// something near: as many as asked for, and in images of more than 832 px at least 27 % of the
-// width, up to 512. The nearest surface is then as near in large images as in small ones.
-int max_disparities_px(int num_disparities_px, int width_px);
 
 }  // namespace divemesh::stereo

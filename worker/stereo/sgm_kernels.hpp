@@ -4,8 +4,11 @@
 #include <cstdint>
 
 #include "worker/base/instructions.hpp"
+#include "worker/types/disparity_range.hpp"
 
 namespace divemesh::stereo {
+
+using types::kMaxDisparities;
 
 inline constexpr int kOutsideCost = 210;     // of a path outside the range: never the min
 inline constexpr int kSmallStepPenalty = 8;  // P1
@@ -13,7 +16,6 @@ inline constexpr int kMaxStepPenalty = 80;   // P2 where the grey value is const
 inline constexpr int kMinStepPenalty = 25;   // P2 across an edge
 inline constexpr int kNumCensusBits = 32;
 inline constexpr int kUniqueness_percent = 5;
-inline constexpr int kMaxDisparities = 512;
 inline constexpr int kMaxVectorBytes = 64;  // the kernels read this far past the end
 
 // Costs of one path, kept from row to row: slot s holds those of one pixel, [d], and their min. A

@@ -18,13 +18,8 @@
 namespace divemesh::stereo {
 namespace {
 
-constexpr int kMinSpeckleSize = 120;  // pixels
-constexpr float kMaxStep_px = 1.5F;   // between neighbours of one surface
+constexpr float kMaxStep_px = 1.5F;  // between neighbours of one surface
 constexpr float kMaxSigma_px = 1.0F;
-
-void remove_islands(types::DepthMap& depth) {
-    remove_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
-}
 
 // Refines the disparity, removes islands that remain after the refinement or that it made by
 // removing pixels without texture, and adds what lies between measured surface.
@@ -32,12 +27,14 @@ void refine(const types::RectifiedFrame& frame,
             DisparityRefiner& refiner,
             WeakSurface& weak,
             types::DepthMap& depth) {
-    unconfirm_speckles(depth.disparity_px, kMinSpeckleSize, kMaxStep_px);
+    const IslandLimits islands = IslandLimits::of(frame.left.size());
+    unconfirm_speckles(depth.disparity_px, islands.min_pixels, kMaxStep_px);
     const cv::Mat winners_px = depth.disparity_px.clone();
     depth.sigma_disparity_px =
         cv::max(refiner.refine(frame.left, frame.right, depth.disparity_px), kMinSigma_px);
-    remove_islands(depth);
-    remove_unsupported(depth.disparity_px, depth.sigma_disparity_px, {}, kMaxStep_px);
+    remove_speckles(depth.disparity_px, islands.min_pixels, kMaxStep_px);
+    remove_unsupported(
+        depth.disparity_px, depth.sigma_disparity_px, islands.min_support, kMaxStep_px);
     add_doubt(winners_px, depth.sigma_disparity_px);
     weak.add(winners_px, depth.disparity_px, depth.sigma_disparity_px);
 }
@@ -46,7 +43,8 @@ void rate_by_texture(const types::RectifiedFrame& frame, types::DepthMap& depth)
     depth.sigma_disparity_px = disparity_sigma(frame.left);
     depth.disparity_px.setTo(0.0, depth.sigma_disparity_px > kMaxSigma_px);
     depth.sigma_disparity_px = cv::min(depth.sigma_disparity_px, kMaxSigma_px);
-    remove_islands(depth);
+    remove_speckles(
+        depth.disparity_px, IslandLimits::of(frame.left.size()).min_pixels, kMaxStep_px);
 }
 
 // OpenCV's single-pass semi-global matcher, for comparison.

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "worker/base/disjoint_sets.hpp"
+#include "worker/types/disparity_range.hpp"
 
 namespace divemesh::stereo {
 namespace {
@@ -91,6 +92,16 @@ std::int32_t num_pixels(int /*y*/, const Run& run) { return run.end - run.begin;
 void remove_run(float* first, int num) { std::fill_n(first, num, 0.0F); }
 
 }  // namespace
+
+IslandLimits IslandLimits::of(cv::Size image) {
+    IslandLimits limits;
+    if (image.width <= types::kLargeWidth_px) return limits;
+    const double larger = std::max(1.0, image.area() / (640.0 * 480.0));
+    limits.min_pixels = static_cast<std::int32_t>(larger * limits.min_pixels);
+    limits.min_support.num_pixels =
+        static_cast<std::int32_t>(larger * limits.min_support.num_pixels);
+    return limits;
+}
 
 void remove_speckles(cv::Mat& disparity_px, int min_pixels, float max_step_px) {
     for_each_speckle(disparity_px, min_pixels, max_step_px, num_pixels, remove_run);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
+#include <opencv2/core/types.hpp>
 
 namespace divemesh::stereo {
 
@@ -18,6 +19,16 @@ struct IslandSupport {
     float certain_px = 0.17F;        // a smaller sigma is that of visible texture
     std::int32_t num_certain = 40;   // pixels, of visible texture
     std::int32_t num_pixels = 2000;  // or so many of any texture
+};
+
+// The limits of islands in an image. Chance matches are as large a part of any image, so in images
+// of more than 832 px the limits in pixels grow with the area, relative to 640 x 480; in smaller
+// ones they are those of 640 x 480.
+struct IslandLimits {
+    std::int32_t min_pixels = 120;
+    IslandSupport min_support;
+
+    static IslandLimits of(cv::Size image);
 };
 
 // Sets the disparities of islands with less support to 0.

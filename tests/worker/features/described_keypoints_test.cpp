@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <opencv2/imgproc.hpp>
+
 #include "tests/synthetic/sea_floor.hpp"
 #include "tests/temporary_folder.hpp"
 #include "worker/loops/inverted_index.hpp"
@@ -58,6 +61,48 @@ TEST(DescribedKeypointsTest, HasAtMostFiveHundredPoints) {
     const DescribedKeypoints view = view_of(camera(0.0, 0.0, 2.0, 0.0));
     EXPECT_GE(view.size(), 80U);
     EXPECT_LE(view.size(), 500U);
+}
+
+cv::Mat blurred_noise(cv::Size size) {
+    cv::Mat image(size, CV_8U);
+    cv::RNG(7).fill(image, cv::RNG::UNIFORM, 0, 255);
+    cv::GaussianBlur(image, image, {}, 4.0);
+    cv::normalize(image, image, 0, 255, cv::NORM_MINMAX);
+    return image;
+}
+
+TEST(DescribedKeypointsTest, AreInAllQuartersOfALargeImage) {
+    const cv::Size size(1920, 1080);
+    const DescribedKeypoints view = describe_keypoints(blurred_noise(size));
+    EXPECT_LE(view.size(), 500U);
+    std::array<int, 4> num_in_quarter{};
+    for (const DescribedKeypoint& point : view) {
+        EXPECT_TRUE(cv::Rect2f({}, cv::Size2f(size)).contains({point.u_px, point.v_px}));
+        ++num_in_quarter[(point.u_px > 960.0F ? 1U : 0U) + (point.v_px > 540.0F ? 2U : 0U)];
+    }
+    for (const int num : num_in_quarter) EXPECT_GE(num, 60);
+}
+
+TEST(DescribedKeypointsTest, OfALargeImageAreThoseOfAReducedOneAtFullPositions) {
+    const cv::Mat large = blurred_noise({1440, 1080});
+    cv::Mat half;
+    cv::resize(large, half, {720, 540}, 0.0, 0.0, cv::INTER_AREA);
+    const DescribedKeypoints expected = describe_keypoints(half);
+    const DescribedKeypoints found = describe_keypoints(large);
+    ASSERT_EQ(found.size(), expected.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+        EXPECT_NEAR(found[i].u_px, 2.0F * expected[i].u_px + 0.5F, 1e-3F);
+        EXPECT_NEAR(found[i].v_px, 2.0F * expected[i].v_px + 0.5F, 1e-3F);
+        EXPECT_NEAR(found[i].scale, 2.0F * expected[i].scale, 1e-5F);
+        EXPECT_EQ(found[i].descriptor, expected[i].descriptor);
+    }
+}
+
+TEST(DescribedKeypointsTest, ImagesOfUsualSizeAreDescribedAsTheyAre) {
+    EXPECT_EQ(description_scale({640, 480}), 1.0);
+    EXPECT_EQ(description_scale({752, 480}), 1.0);
+    EXPECT_EQ(description_scale({832, 624}), 1.0);
+    EXPECT_EQ(description_scale({1920, 1080}), 1920.0 / 720.0);
 }
 
 TEST(DescribedKeypointsTest, AFlatImageHasNoPoints) {

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <opencv2/core.hpp>
+
 #include "tests/synthetic/stereo_world.hpp"
 #include "tests/synthetic/texture.hpp"
 #include "worker/features/align_patch.hpp"
@@ -50,6 +54,41 @@ TEST(MatchFeaturesTest, MeasuresDisparityBelowThePixelWithoutAPrior) {
         EXPECT_NEAR(feature.disparity_px, 23.4, 0.1) << "feature " << feature.id;
     }
     EXPECT_GE(num_found, 30);
+}
+
+// A strip of a pair of large images, of a surface at 250.4 px.
+types::RectifiedFrame near_surface() {
+    types::RectifiedFrame frame;
+    frame.left.create(40, 1280, CV_8U);
+    frame.right.create(frame.left.size(), CV_8U);
+    for (int v = 0; v < frame.left.rows; ++v)
+        for (int u = 0; u < frame.left.cols; ++u) {
+            frame.left.at<std::uint8_t>(v, u) =
+                cv::saturate_cast<std::uint8_t>(128.0 + synthetic::texture(u, v));
+            frame.right.at<std::uint8_t>(v, u) =
+                cv::saturate_cast<std::uint8_t>(128.0 + synthetic::texture(u + 250.4, v));
+        }
+    return frame;
+}
+
+// Returns the number of features that are found on the near surface from a disparity known before.
+int num_found_near(double known_px) {
+    types::Features features;
+    for (int i = 0; i < 40; ++i) features.push_back({i, {300.0 + 24.0 * i, 20.0}, known_px});
+    match_sparse_stereo(near_surface(), {}, 128, features);
+    return static_cast<int>(
+        std::count_if(features.begin(), features.end(), [](const types::Feature& feature) {
+            return std::abs(feature.disparity_px - 250.4) < 0.1;
+        }));
+}
+
+TEST(MatchFeaturesTest, FindsAsNearASurfaceInLargeImagesAsInSmallOnes) {
+    EXPECT_GE(num_found_near(0.0), 30);
+    EXPECT_GE(num_found_near(230.0), 30);
+}
+
+TEST(MatchFeaturesTest, SearchesLargeImagesOnlySoFarWhereTheDepthIsKnown) {
+    EXPECT_EQ(num_found_near(20.0), 0);
 }
 
 TEST(FeatureTrackerTest, FollowsFeaturesUnderChangingLight) {

@@ -147,6 +147,30 @@ TEST(LevelPlanner, WhatOneFrameAloneSawNearRefinesNothing) {
     EXPECT_EQ(plan.num_levels(), 1);
 }
 
+// A dive that looks at a wall at 8 m, but in one frame at another at 2 m.
+TEST(LevelPlanner, WhatOneFrameAloneSawIsSampledAsItSawIt) {
+    LevelPlanner planner(rig(), kVoxel_m, kMedianDepth_m);
+    for (int i = 0; i < 5; ++i) planner.add(camera_at(0.01 * i), wall(8.0, 8), 8);
+    planner.add(camera_at(20.0), wall(2.0, 8), 8);
+    const auto [plan, voxel_m] = planner.finish();
+    EXPECT_DOUBLE_EQ(voxel_m, kVoxel_m);
+    EXPECT_GE(plan.num_levels(), 3);
+    EXPECT_EQ(plan.block_at(sample_at({20.0, 0.0, 2.0}, voxel_m)).level, 0);
+    EXPECT_EQ(plan.block_at(sample_at({0.0, 0.0, 8.0}, voxel_m)).level, plan.num_levels() - 1);
+}
+
+TEST(LevelPlanner, AFishInOneFrameOfAFarSceneRefinesNothingBelowTheMedianVoxel) {
+    LevelPlanner planner(rig(), kVoxel_m, kMedianDepth_m);
+    for (int i = 0; i < 5; ++i) {
+        cv::Mat disparities = wall(4.0, 8);
+        if (i == 2) disparities(cv::Rect(4, 4, 3, 3)).setTo(rig().disparity_px(0.4));
+        planner.add(camera_at(0.01 * i), disparities, 8);
+    }
+    const auto [plan, voxel_m] = planner.finish();
+    EXPECT_DOUBLE_EQ(voxel_m, kVoxel_m);
+    EXPECT_EQ(plan.median_level(), 0);
+}
+
 TEST(LevelPlanner, ASingleFrameIsEnoughForItself) {
     LevelPlanner planner(rig(), kVoxel_m, kMedianDepth_m);
     planner.add(camera_at(0.0), wall(0.5, 8), 8);

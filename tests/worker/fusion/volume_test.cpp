@@ -77,6 +77,28 @@ TEST_P(BothVolumes, ExactDepthOfAnAnalyticSceneComesOutToAFifthOfAVoxel) {
     EXPECT_EQ(mesh::check_topology(mesh).num_nonmanifold_edges, 0);
 }
 
+// The right half of the image is too far, the lowest quarter is measured to 6 px.
+TEST_P(BothVolumes, CountTheDepthThatMakesNoSurface) {
+    auto options = options_for(GetParam());
+    options.max_depth_m = 2.0;
+    const auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
+    const cv::Size size(small_rig().width_px, small_rig().height_px);
+    types::KeyframeImages images;
+    images.left_color = cv::Mat(size, CV_8UC3, cv::Scalar::all(0));
+    images.depth.disparity_px = cv::Mat(size, CV_32F, cv::Scalar(small_rig().disparity_px(1.0)));
+    images.depth.sigma_disparity_px = cv::Mat(size, CV_32F, cv::Scalar(0.1));
+    images.depth.disparity_px.colRange(size.width / 2, size.width)
+        .setTo(small_rig().disparity_px(3.0));
+    images.depth.sigma_disparity_px.rowRange(size.height * 3 / 4, size.height).setTo(6.0);
+    volume->integrate({}, images);
+    const FusedPixels& pixels = volume->fused_pixels();
+    ASSERT_GT(pixels.num, 2'000);
+    const auto num = static_cast<double>(pixels.num);
+    EXPECT_NEAR(static_cast<double>(pixels.num_too_far) / num, 0.5, 0.05);
+    EXPECT_NEAR(
+        static_cast<double>(pixels.num_too_vague) / num, GetParam() == "tsdf" ? 0.125 : 0.0, 0.02);
+}
+
 TEST_P(BothVolumes, ColoursLieWhereTheCamerasSawThem) {
     const auto options = options_for(GetParam());
     const auto volume = fuse_views(bump_on_floor, views_from_above(6, 1.2), options);

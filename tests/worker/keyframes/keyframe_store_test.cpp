@@ -39,6 +39,21 @@ TEST(KeyframeStore, KeepsDisparityToAnEighthOfTheStereoNoise) {
               0.5 / 64.0);
 }
 
+// Half the size of a wide image finds disparities beyond 512 px.
+TEST(KeyframeStore, KeepsSurfaceNearerThanTheFullSizeSearches) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder / "keyframes");
+    types::DepthMap written = slope();
+    written.disparity_px(cv::Rect(20, 8, 16, 16)).setTo(611.3);
+    written.disparity_px(cv::Rect(40, 8, 16, 16)).setTo(767.9);
+    store.write(7, written);
+    const cv::Mat read = store.read(7).depth.disparity_px;
+
+    EXPECT_LE(cv::norm(read, written.disparity_px, cv::NORM_INF), 0.5 / 64.0);
+    EXPECT_EQ(store.read_disparities(7, 8).at<float>(1, 3), read.at<float>(8, 24));
+    EXPECT_EQ(read.at<float>(10, 3), 0.0F) << "unknown";
+}
+
 TEST(KeyframeStore, TheImageIsThatOfTheRecording) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path(), image_of);

@@ -234,6 +234,22 @@ TEST(MetricsDocument, CoverageIsTheShareOfFramesConstrainedByVision) {
     EXPECT_DOUBLE_EQ(metrics_document(plain_dive())["frames"]["coverage"], 0.9);
 }
 
+TEST(MetricsDocument, ASceneThatIsTooNearTellsHowFarItsImagesWereSearched) {
+    MetricsInput input = plain_dive();
+    input.track.dense = {100, 12'800, 4000, 0, 400};
+    const auto says = [&](const std::string& words) {
+        return metrics_document(input)["findings"].back().dump().find(words) != std::string::npos;
+    };
+    EXPECT_TRUE(says("scene_too_near"));
+    EXPECT_TRUE(says("range (128 px)"));
+    EXPECT_TRUE(says("larger num_disparities_px"));
+    input.rig.cam0.width_px = 1920;
+    EXPECT_TRUE(says("range (512 px)"));
+    EXPECT_FALSE(says("larger num_disparities_px")) << "it is as large as it can be";
+    input.reduction = 3;
+    EXPECT_TRUE(says("range (128 px)"));
+}
+
 TEST(MetricsDocument, PeakMemoryCountsWhatWasGivenBack) {
     const std::int64_t before = peak_memory_bytes();
     EXPECT_GT(before, 1'000'000);

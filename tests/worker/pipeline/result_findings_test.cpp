@@ -45,6 +45,35 @@ TEST(ShutterFindingTest, OnlyOfAReadoutTimeThatIsUsed) {
     EXPECT_NE(finding->message.find("21.0 ms"), std::string::npos) << finding->message;
 }
 
+TEST(LeftOutFindingTest, TellsHowMuchDepthTheVoxelIsTooSmallFor) {
+    const VoxelSizes voxels{0.002, 0.002, 0.002};
+    ReconstructionOptions options;
+    options.voxel_m = 0.002;
+    const auto finding = left_out_finding({1000, 400, 180}, 2.19, voxels, options);
+    ASSERT_TRUE(finding);
+    EXPECT_EQ(finding->code, "depth_left_out");
+    EXPECT_EQ(finding->severity, Severity::Warning);
+    EXPECT_NE(finding->message.find("58 % of the measured depth"), std::string::npos);
+    EXPECT_NE(finding->message.find("voxels of 2 mm"), std::string::npos) << finding->message;
+    EXPECT_NE(finding->message.find("40 % lies beyond 2.2 m, 18 % is nearer"), std::string::npos)
+        << finding->message;
+    EXPECT_NE(finding->remedy.find("without it"), std::string::npos);
+    EXPECT_EQ(left_out_finding({1000, 400, 180}, 2.19, voxels, {})->remedy.find("without it"),
+              std::string::npos);
+}
+
+TEST(LeftOutFindingTest, SaysNothingOfLittleDepthOrOfALimitThatWasAskedFor) {
+    const VoxelSizes voxels{0.01, 0.01, 0.01};
+    ReconstructionOptions options;
+    EXPECT_FALSE(left_out_finding({}, 4.0, voxels, options)) << "no surface was wanted";
+    EXPECT_FALSE(left_out_finding({1000, 240, 250}, 4.0, voxels, options));
+    EXPECT_TRUE(left_out_finding({1000, 260, 0}, 4.0, voxels, options));
+    EXPECT_TRUE(left_out_finding({1000, 0, 510}, 4.0, voxels, options));
+    options.max_depth_m = 2.0;
+    EXPECT_FALSE(left_out_finding({1000, 900, 40}, 2.0, voxels, options));
+    EXPECT_TRUE(left_out_finding({1000, 900, 60}, 2.0, voxels, options));
+}
+
 TEST(SurfaceFindingTest, AMeshWithoutTrianglesIsAnError) {
     EXPECT_FALSE(surface_finding(1));
     ASSERT_TRUE(surface_finding(0));

@@ -25,23 +25,35 @@ types::Features features_from(double min_px, double max_px, int num) {
 }
 
 TEST(DisparitySearchRange, ContainsTheFeaturesWithAMargin) {
-    const types::DisparityRange range = disparity_search_range(features_from(40.0, 60.0, 100), 256);
+    const types::DisparityRange range =
+        disparity_search_range(features_from(40.0, 60.0, 100), 256, 640);
     EXPECT_EQ(range.num_px, 64);
     EXPECT_LE(range.first_px, 30);
     EXPECT_GE(range.first_px + range.num_px, 80);
 }
 
 TEST(DisparitySearchRange, IsTheFullRangeIfFeaturesAreFewOrFarApart) {
-    EXPECT_EQ(disparity_search_range(features_from(40.0, 60.0, 20), 128).num_px, 128);
-    EXPECT_EQ(disparity_search_range(features_from(5.0, 90.0, 100), 128).num_px, 128);
-    EXPECT_EQ(disparity_search_range({}, 96).num_px, 96);
+    EXPECT_EQ(disparity_search_range(features_from(40.0, 60.0, 20), 128, 640).num_px, 128);
+    EXPECT_EQ(disparity_search_range(features_from(5.0, 90.0, 100), 128, 640).num_px, 128);
+    EXPECT_EQ(disparity_search_range({}, 96, 640).num_px, 96);
 }
 
 TEST(DisparitySearchRange, StaysWithinTheFullRange) {
     const types::DisparityRange near =
-        disparity_search_range(features_from(110.0, 126.0, 100), 128);
+        disparity_search_range(features_from(110.0, 126.0, 100), 128, 640);
     EXPECT_EQ(near.first_px + near.num_px, 128);
-    EXPECT_EQ(disparity_search_range(features_from(2.0, 10.0, 100), 128).first_px, 0);
+    EXPECT_EQ(disparity_search_range(features_from(2.0, 10.0, 100), 128, 640).first_px, 0);
+}
+
+TEST(DisparitySearchRange, ReachesNearFeaturesOfLargeImages) {
+    const types::DisparityRange near =
+        disparity_search_range(features_from(150.0, 180.0, 100), 128, 1280);
+    EXPECT_LE(near.first_px, 112);
+    EXPECT_GE(near.first_px + near.num_px, 240);
+    EXPECT_LT(near.num_px, 320);
+    EXPECT_EQ(disparity_search_range(features_from(10.0, 290.0, 100), 128, 1280).num_px, 320);
+    EXPECT_EQ(disparity_search_range(features_from(150.0, 180.0, 20), 128, 1280).num_px, 128)
+        << "few features";
 }
 
 TEST(CensusSgm, FindsTheSameWithinARangeThatHoldsTheSurface) {
@@ -140,10 +152,10 @@ TEST(StereoMatcher, TellsWhatIsTooNearForAllItSearches) {
 
 // A surface at 200 px in an image of 1280 px is as near as one at 100 px in 640.
 TEST(StereoMatcher, SearchesLargeImagesAsNearAsSmallOnes) {
-    EXPECT_EQ(max_disparities_px(128, 640), 128);
-    EXPECT_EQ(max_disparities_px(128, 1280), 320);
-    EXPECT_EQ(max_disparities_px(128, 1920), 512);
-    EXPECT_EQ(max_disparities_px(256, 640), 256);
+    EXPECT_EQ(types::max_disparities_px(128, 640), 128);
+    EXPECT_EQ(types::max_disparities_px(128, 1280), 320);
+    EXPECT_EQ(types::max_disparities_px(128, 1920), 512);
+    EXPECT_EQ(types::max_disparities_px(256, 640), 256);
     const auto near_block = [](double x, double) { return x > 500.0 && x < 900.0 ? 200.0 : 40.0; };
     const WarpedPair pair = make_warped_pair(near_block, {.width_px = 1280, .height_px = 240});
     const types::DepthMap depth =
@@ -151,6 +163,27 @@ TEST(StereoMatcher, SearchesLargeImagesAsNearAsSmallOnes) {
     EXPECT_EQ(depth.search.num_too_near, 0);
     const cv::Mat found = cv::abs(depth.disparity_px(cv::Rect(520, 10, 360, 220)) - 200.0F) < 1.0F;
     EXPECT_GT(cv::countNonZero(found), 360 * 220 * 9 / 10);
+}
+
+// Returns a strip of 1920 px: a block at `near_px` on a floor at 100 px. The full size searches 512
+// px, half the size 768.
+types::DepthMap match_near_block(double near_px) {
+    const auto block = [&](double x, double) { return x > 1200.0 && x < 1700.0 ? near_px : 100.0; };
+    const WarpedPair pair = make_warped_pair(block, {.width_px = 1920, .height_px = 240});
+    return StereoMatcher("sgm", 128, 2).match({0, 0, pair.left, pair.right}, {0, 128});
+}
+
+TEST(StereoMatcher, MeasuresWhatOnlyHalfTheSizeReaches) {
+    const types::DepthMap depth = match_near_block(600.0);
+    EXPECT_LT(50 * depth.search.num_too_near, depth.search.num_patches);
+    const cv::Rect inside(1260, 20, 380, 200);
+    const cv::Mat found = cv::abs(depth.disparity_px(inside) - 600.0F) < 2.0F;
+    EXPECT_GT(cv::countNonZero(found), inside.area() / 2);
+}
+
+TEST(StereoMatcher, TellsWhatIsTooNearForHalfTheSize) {
+    const types::DepthMap depth = match_near_block(800.0);
+    EXPECT_GT(10 * depth.search.num_too_near, depth.search.num_patches);
 }
 
 TEST(CensusSgm, EveryInstructionSetGivesTheSameWithinARange) {

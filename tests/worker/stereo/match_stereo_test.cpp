@@ -158,6 +158,18 @@ TEST(RemoveUnsupported, KeepsIslandsWithVisibleTextureAndLargeOnes) {
     EXPECT_EQ(disparity.at<float>(10, 10), 0.0F);
 }
 
+TEST(IslandLimits, GrowWithTheAreaOfLargeImagesAlone) {
+    for (const cv::Size usual : {cv::Size(160, 120), cv::Size(640, 480), cv::Size(752, 480)}) {
+        EXPECT_EQ(IslandLimits::of(usual).min_pixels, 120);
+        EXPECT_EQ(IslandLimits::of(usual).min_support.num_pixels, 2000);
+    }
+    const IslandLimits large = IslandLimits::of({1920, 1440});  // nine times as large
+    EXPECT_EQ(large.min_pixels, 1080);
+    EXPECT_EQ(large.min_support.num_pixels, 18'000);
+    EXPECT_EQ(large.min_support.num_certain, 40) << "visible texture tells as much at any size";
+    EXPECT_EQ(IslandLimits::of({1024, 256}).min_pixels, 120) << "wide, but no larger";
+}
+
 TEST(UnconfirmSpeckles, LeavesSmallIslandsAsUnconfirmedWinners) {
     cv::Mat disparity(60, 60, CV_32F, cv::Scalar(0.0));
     disparity(cv::Rect(5, 5, 20, 20)).setTo(30.0);
@@ -175,6 +187,19 @@ TEST(ImageNoise, IsThatOfTheSensorNotOfTheTexture) {
         const auto pair = make_warped_pair(slanted, options);
         EXPECT_NEAR(image_noise(pair.left), noise, 0.25 * noise) << noise;
     }
+}
+
+// As of a fisheye image with a black surround, or of a dive at night with a lamp too bright.
+TEST(ImageNoise, IsThatOfThePixelsThatAreNotClipped) {
+    WarpedPairOptions options;
+    options.noise = 3.0;
+    options.contrast = 0.3;
+    for (const int clipped : {0, 2, 255}) {
+        cv::Mat image = make_warped_pair(slanted, options).left;
+        image.colRange(0, image.cols * 2 / 5).setTo(clipped);
+        EXPECT_NEAR(image_noise(image), 3.0, 0.75) << clipped;
+    }
+    EXPECT_EQ(image_noise(cv::Mat(240, 320, CV_8U, cv::Scalar(0))), 0.5) << "nothing is known";
 }
 
 // About two thirds of the disparities must err by less than their stated sigma. The

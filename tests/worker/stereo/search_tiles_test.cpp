@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <opencv2/imgproc.hpp>
+
 #include "tests/worker/stereo/warped_pair.hpp"
 #include "worker/stereo/census_sgm.hpp"
+#include "worker/stereo/match_stereo.hpp"
+#include "worker/stereo/single_scale_matcher.hpp"
 
 namespace divemesh::stereo {
 namespace {
@@ -96,6 +100,30 @@ TEST(SearchTilesTest, MatchingByTilesIsAsRightAsWithTheWholeRange) {
     cv::Mat difference;
     cv::absdiff(whole, by_tiles, difference);
     EXPECT_LT(cv::countNonZero(both & (difference > 0.5F)), cv::countNonZero(both) / 1000);
+}
+
+// Without the half size's tiles one scale would take longer than two.
+TEST(SearchTilesTest, TheMatcherUsesThemWithOneScaleToo) {
+    WarpedPairOptions options;
+    options.width_px = kWidth_px;
+    options.height_px = kHeight_px;
+    const WarpedPair pair = make_warped_pair(bed_with_a_column, options);
+    const types::RectifiedFrame frame{0, 0, pair.left, pair.right};
+    const types::DepthMap found = StereoMatcher("sgm", kWhole.num_px, 1).match(frame);
+    EXPECT_EQ(found.search.range.num_px, kWhole.num_px);
+
+    types::RectifiedFrame half;
+    cv::resize(pair.left, half.left, {kWidth_px / 2, kHeight_px / 2}, 0.0, 0.0, cv::INTER_AREA);
+    cv::resize(pair.right, half.right, half.left.size(), 0.0, 0.0, cv::INTER_AREA);
+    const cv::Mat half_px =
+        SingleScaleMatcher("sgm", kWhole.num_px).match(half, {0, kWhole.num_px / 2}).disparity_px;
+    const auto tiles = search_tiles(half_px, pair.left.size(), kWhole);
+    ASSERT_GT(tiles.size(), 1U);
+    const types::DepthMap by_tiles = SingleScaleMatcher("sgm", kWhole.num_px).match(frame, tiles);
+    EXPECT_EQ(cv::norm(found.disparity_px, by_tiles.disparity_px, cv::NORM_INF), 0.0);
+    const auto error = compare_disparity(found.disparity_px, pair.disparity_px, kWhole.num_px - 1);
+    EXPECT_GT(error.density, 0.8);
+    EXPECT_LT(error.bad1, 0.02);
 }
 
 }  // namespace
