@@ -47,6 +47,7 @@ constexpr Row kRows[] = {
     {"images_soft",                 "surface"},
     {"rolling_shutter",             "surface"},
     {"images_featureless",          "surface"},
+    {"vertical_unknown",            "surface"},
     {"bounds_unknown",              "accuracy"},
     {"calibration_not_converged",   "accuracy"},
     {"calibration_not_taken",       "accuracy"},

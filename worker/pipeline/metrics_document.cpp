@@ -384,6 +384,7 @@ json metrics_document(const MetricsInput& input) {
                      {"pieces", segments(input.segments)},
                      {"estimation", estimation(input)},
                      {"speed", speed(input)}};
+    document["trajectory"]["vertical_known"] = input.vertical_is_known;
     if (input.track.dense.num_frames > 0) document["stereo"] = stereo(input.track.dense);
     if (input.mesh) document["mesh"] = mesh(*input.mesh);
     if (input.end_covariance_m2)

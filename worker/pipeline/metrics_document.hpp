@@ -64,6 +64,7 @@ struct MetricsInput {
     std::int64_t num_frames_by_imu = 0;     // the IMU alone measured the motion to them
     std::int64_t num_frames_predicted = 0;  // nothing measured their pose
     double path_length_m = 0.0;             // of the final trajectory, over what was measured
+    bool vertical_is_known = true;          // by sensors; false: z is up only if the first image is
     std::vector<types::TrackingSegment> segments;
     std::optional<MeshMetrics> mesh;                // nullopt: no surface was requested
     std::optional<markers::MarkerMetrics> markers;  // nullopt: markers were not searched for

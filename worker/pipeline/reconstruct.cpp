@@ -52,8 +52,7 @@ imu::PressureJudgement judge_pressure(const types::Recording& recording,
     if (!options.use_pressure) return {};
     const imu::InertialPrior inertial(recording, options, track.left_out);
     const bool vertical_is_known =
-        inertial.has_accelerometer() ||
-        (!track.causal.empty() && inertial.absolute(track.causal.front().timestamp_ns));
+        !track.causal.empty() && inertial.knows_vertical(track.causal.front().timestamp_ns);
     return imu::judge_pressure(
         recording.pressure(), track.causal, track.breaks_ns, vertical_is_known);
 }

@@ -9,6 +9,7 @@
 #include "worker/pipeline/metrics_document.hpp"
 #include "worker/pipeline/result_findings.hpp"
 #include "worker/pipeline/scale_of_result.hpp"
+#include "worker/pipeline/vertical.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -32,6 +33,12 @@ evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments
          .optimise = made.optimised.statistics,
          .scale = scale_sources(made),
          .mesh = made.request.options.surface ? &made.surface.mesh : nullptr});
+}
+
+bool knows_vertical(const Reconstruction& made) {
+    imu::InertialPrior inertial(made.recording, made.request.options, made.track.left_out);
+    inertial.set_pressure_error(made.track.pressure_error_m);
+    return vertical_is_known(inertial, made.optimised);
 }
 
 std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
@@ -63,7 +70,8 @@ std::vector<Finding> findings_on_dive(const Reconstruction& made) {
 // Returns the findings about the dive, then those about its reconstruction.
 std::vector<Finding> findings(const Reconstruction& made,
                               const Segments& segments,
-                              const evaluation::ExpectedAccuracy& expected) {
+                              const evaluation::ExpectedAccuracy& expected,
+                              bool vertical_known) {
     std::vector<Finding> all = findings_on_dive(made);
     const std::vector<Finding> of_cameras = alignment_findings(made.alignment);
     all.insert(all.end(), of_cameras.begin(), of_cameras.end());
@@ -76,6 +84,7 @@ std::vector<Finding> findings(const Reconstruction& made,
     add(segments_finding(segments));
     add(scale_finding(expected));
     add(bounds_finding(expected, segments.size()));
+    add(vertical_finding(vertical_known));
     add(shutter_finding(made.refined()));
     if (made.options().surface) add(surface_finding(std::ssize(made.surface.mesh.triangles)));
     return all;
@@ -104,6 +113,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
     const Segments segments = evaluation::segments_of(
         made.optimised.trajectory, made.optimised.keyframes, made.optimised.breaks_ns);
     const evaluation::ExpectedAccuracy accuracy = expected(made, segments);
+    const bool vertical_known = knows_vertical(made);
     return metrics_document(
         {.version = DIVEMESH_VERSION,
          .preset = made.request.preset,
@@ -130,6 +140,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
              made.track.motions.begin(), made.track.motions.end(), types::MotionSource::Imu),
          .num_frames_predicted = std::ssize(made.optimised.predicted),
          .path_length_m = path_length_m(segments),
+         .vertical_is_known = vertical_known,
          .segments = segments,
          .mesh = mesh_metrics(made),
          .markers = made.markers,
@@ -137,7 +148,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .stages = made.stages,
          .evaluation = made.evaluation,
          .expected = accuracy,
-         .findings = findings(made, segments, accuracy)});
+         .findings = findings(made, segments, accuracy, vertical_known)});
 }
 
 }  // namespace divemesh::pipeline

@@ -67,6 +67,19 @@ std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expect
                    "use the preset standard or accurate, and check what else was found"};
 }
 
+std::optional<Finding> vertical_finding(bool vertical_known) {
+    if (vertical_known) return std::nullopt;
+    return Finding{
+        Severity::Warning,
+        "vertical_unknown",
+        "",
+        "no IMU, AHRS or pressure sensor tells which way is up, so the first image was taken to be "
+        "level: the ground may lie tilted or upright in the model, and mosaic, heights and slopes "
+        "with it",
+        "record an IMU, an AHRS or a depth sensor on the next dive; on this one measure areas "
+        "whose plane their corners give (divemesh measure --areas)"};
+}
+
 std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibration) {
     if (!calibration.readout_time_applied) return std::nullopt;
     return Finding{Severity::Warning,

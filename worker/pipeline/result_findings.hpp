@@ -22,6 +22,9 @@ std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expecte
 std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expected,
                                       std::size_t num_segments);
 
+// Returns a warning if no sensor measured which way is up.
+std::optional<Finding> vertical_finding(bool vertical_known);
+
 // Returns a warning if a rolling shutter bends the images.
 std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibration);
 

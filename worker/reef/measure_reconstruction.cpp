@@ -27,6 +27,8 @@ MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction) {
         options.camera_positions_world.push_back(pose.T_world_imu.translation());
     options.focal_px = number_at(reconstruction.metrics(), "/calibration/focal_px/0");
     options.min_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
+    options.vertical_is_known =
+        reconstruction.metrics().value(json::json_pointer("/trajectory/vertical_known"), true);
     options.sigma_shared_m =
         number_at(reconstruction.metrics(), "/expected_accuracy/surface/sigma_shared_m");
     return options;

@@ -233,6 +233,14 @@ TEST(MetricsDocument, CoverageIsTheShareOfFramesConstrainedByVision) {
     EXPECT_DOUBLE_EQ(metrics_document(plain_dive())["frames"]["coverage"], 0.9);
 }
 
+TEST(MetricsDocument, TellsWhetherASensorKnowsTheVertical) {
+    MetricsInput input = plain_dive();
+    EXPECT_EQ(metrics_document(input)["trajectory"]["vertical_known"], true);
+    input.vertical_is_known = false;
+    EXPECT_EQ(metrics_document(input)["trajectory"]["vertical_known"], false);
+    EXPECT_TRUE(is_valid(metrics_document(input)));
+}
+
 TEST(MetricsDocument, PeakMemoryCountsWhatWasGivenBack) {
     const std::int64_t before = peak_memory_bytes();
     EXPECT_GT(before, 1'000'000);

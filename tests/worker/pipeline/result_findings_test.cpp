@@ -32,6 +32,15 @@ TEST(BoundsFindingTest, OnlyOfAConnectedPath) {
     EXPECT_FALSE(bounds_finding(expected, 1));
 }
 
+TEST(VerticalFindingTest, WarnsWhereNoSensorTellsWhichWayIsUp) {
+    EXPECT_FALSE(vertical_finding(true));
+    const auto finding = vertical_finding(false);
+    ASSERT_TRUE(finding);
+    EXPECT_EQ(finding->code, "vertical_unknown");
+    EXPECT_EQ(finding->severity, Severity::Warning);
+    EXPECT_FALSE(finding->remedy.empty());
+}
+
 TEST(ShutterFindingTest, OnlyOfAReadoutTimeThatIsUsed) {
     types::RefinedCalibration calibration;
     calibration.readout_time_s = -0.021;
