@@ -164,7 +164,9 @@ FusedMap fuse(const FramesToFuse& input,
     const std::vector<types::Keyframe>& frames = input.frames;
     FusedMap map;
     const double median_m = median_depth_m(input);
-    const fusion::VolumeSettings settings = settings_of_volume(input, options, median_m, scratch);
+    fusion::VolumeSettings settings = settings_of_volume(input, options, median_m, scratch);
+    if (input.max_depth_m > 0.0)
+        settings.max_depth_m = std::min(settings.max_depth_m, input.max_depth_m);
     map.volume = fusion::make_volume(settings, options);
     map.cloud = fusion::make_cloud(settings, options);
     // Consecutive frames see nearly the same points, so all of them are used only if the cloud's

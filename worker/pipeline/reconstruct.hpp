@@ -52,6 +52,7 @@ struct FramesToFuse {
     const std::vector<types::Keyframe>& frames;
     double median_depth_m = 0.0;
     const keyframes::KeyframeStore& store;
+    double max_depth_m = 0.0;  // whatever the options say; 0: no limit
 };
 
 // Step 7: fuses the depth of the frames. Voxels and points beyond `options.fusion_memory_bytes` are

@@ -185,6 +185,7 @@ void fields(auto& file, Is<types::OptimisedTrack> auto& track) {
     file.list(track.predicted);
     file.list(track.keyframes);
     file.list(track.mapped);
+    file.plain(track.max_depth_m);
     fields(file, track.rig);
     fields(file, track.calibration);
     file.list(track.covariances);
