@@ -34,6 +34,8 @@ struct MeshMetrics {
     double area_m2 = 0.0;
     mesh::MeshBorders borders;
     std::vector<mesh::ImageCoverage> coverage;
+    double small_components_m2 = 0.0;  // these two were removed
+    double cut_by_sigma_m2 = 0.0;
     std::optional<mesh::SimplificationError> simplification;  // nullopt: not simplified
     VoxelSizes voxels;
     CloudMetrics cloud;

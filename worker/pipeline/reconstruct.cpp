@@ -199,9 +199,9 @@ FusedMap fuse(const FramesToFuse& input,
     return map;
 }
 
-types::Mesh mesh(const fusion::Volume& volume,
-                 const ReconstructionOptions& options,
-                 const base::ProgressCallback& progress) {
+mesh::ExtractedSurface mesh(const fusion::Volume& volume,
+                            const ReconstructionOptions& options,
+                            const base::ProgressCallback& progress) {
     return mesh::extract_surface(volume, options.mesher, options.num_threads, progress);  // 8
 }
 

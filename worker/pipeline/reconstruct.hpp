@@ -9,8 +9,8 @@
 #include "worker/fusion/fusion_volume.hpp"
 #include "worker/fusion/octree_volume.hpp"
 #include "worker/keyframes/keyframe_store.hpp"
+#include "worker/mesh/extract_surface.hpp"
 #include "worker/types/keyframe.hpp"
-#include "worker/types/mesh.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rectified_rig.hpp"
@@ -63,8 +63,8 @@ FusedMap fuse(const FramesToFuse& input,
               const base::ProgressCallback& progress);
 
 // Step 8: returns the surface of the volume.
-types::Mesh mesh(const fusion::Volume& volume,
-                 const ReconstructionOptions& options,
-                 const base::ProgressCallback& progress);
+mesh::ExtractedSurface mesh(const fusion::Volume& volume,
+                            const ReconstructionOptions& options,
+                            const base::ProgressCallback& progress);
 
 }  // namespace divemesh::pipeline

@@ -49,6 +49,8 @@ std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
                        .area_m2 = evaluation::surface_area_m2(mesh),
                        .borders = made.borders,
                        .coverage = made.coverage,
+                       .small_components_m2 = made.surface.small_components_m2,
+                       .cut_by_sigma_m2 = made.surface.cut_by_sigma_m2,
                        .simplification = made.surface.simplification,
                        .voxels = made.voxels,
                        .cloud = made.cloud,
@@ -86,7 +88,10 @@ std::vector<Finding> findings(const Reconstruction& made,
     add(bounds_finding(expected, segments.size()));
     add(vertical_finding(vertical_known));
     add(shutter_finding(made.refined()));
-    if (made.options().surface) add(surface_finding(std::ssize(made.surface.mesh.triangles)));
+    if (!made.options().surface) return all;
+    add(surface_finding(std::ssize(made.surface.mesh.triangles)));
+    if (!made.surface.mesh.triangles.empty())
+        add(incomplete_finding(made.coverage, made.surface.cut_by_sigma_m2));
     return all;
 }
 

@@ -9,6 +9,9 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr std::size_t kMaxSegments = 8;  // listed one by one
+// Meshes of good dives fill 0.88 to 0.98 of their images: the rest are rims, and depth that no
+// other frame confirms. A dive that lacks a third of what was seen has at most 0.67.
+constexpr double kMinCoveredShare = 0.75;
 
 std::string list_of(const std::vector<types::TrackingSegment>& segments) {
     std::string text;
@@ -104,6 +107,25 @@ std::optional<Finding> surface_finding(std::int64_t num_triangles) {
                    "check that left and right images are equally sharp and fit the calibration "
                    "(divemesh validate DIVE), that the scene is within max_depth_m, and that "
                    "max_sigma_m does not cut away the whole surface"};
+}
+
+std::optional<Finding> incomplete_finding(const std::vector<mesh::ImageCoverage>& images,
+                                          double cut_by_sigma_m2) {
+    const std::optional<double> share = mesh::covered_share_of_matched(images);
+    if (!share || *share >= kMinCoveredShare) return std::nullopt;
+    const bool is_cut = cut_by_sigma_m2 > 0.0;
+    return Finding{
+        Severity::Warning,
+        "surface_incomplete",
+        "",
+        "the mesh has only " + base::fixed(100.0 * *share, 0) + " % of the surface whose depth " +
+            std::to_string(images.size()) + " keyframes measured" +
+            (is_cut ? " (max_sigma_m removed " + base::fixed(cut_by_sigma_m2, 2) + " m2)" : "") +
+            ": the rest is missing",
+        std::string(is_cut ? "reconstruct with a larger max_sigma_m; " : "") +
+            "mesh.covered_images in metrics.json names the images: swim over these places again, "
+            "nearer and slower, so that several frames see each of them; measure only where there "
+            "is surface"};
 }
 
 }  // namespace divemesh::pipeline

@@ -6,6 +6,7 @@
 
 #include "schemas/finding.hpp"
 #include "worker/evaluation/expected_accuracy.hpp"
+#include "worker/mesh/image_coverage.hpp"
 #include "worker/types/refined_calibration.hpp"
 #include "worker/types/tracking_segment.hpp"
 
@@ -30,5 +31,10 @@ std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibrat
 
 // Returns an error if a surface without triangles was made.
 std::optional<Finding> surface_finding(std::int64_t num_triangles);
+
+// Returns a warning if the surface lacks much of what the cameras matched. `cut_by_sigma_m2` is
+// what the option max_sigma_m removed.
+std::optional<Finding> incomplete_finding(const std::vector<mesh::ImageCoverage>& images,
+                                          double cut_by_sigma_m2);
 
 }  // namespace divemesh::pipeline

@@ -52,6 +52,8 @@ Better better(const std::string& name) {
                        "precision",
                        "recall",
                        "f1",
+                       "covered_share",
+                       "covered_share_of_matched",
                        "share_in_95",
                        "share_3_views_or_more",
                        "inlier_share",

@@ -60,7 +60,7 @@ std::string bytes_of(const std::filesystem::path& path) {
 }
 
 types::Mesh surface_of(const Volume& volume, const ReconstructionOptions& options) {
-    return mesh::extract_surface(volume, options.mesher, options.num_threads);
+    return mesh::extract_surface(volume, options.mesher, options.num_threads).mesh;
 }
 
 class BothVolumes : public testing::TestWithParam<std::string> {};

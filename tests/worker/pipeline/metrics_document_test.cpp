@@ -91,6 +91,7 @@ MetricsInput dive_with_everything() {
     input.mesh = MeshMetrics{.num_vertices = 3,
                              .num_triangles = 1,
                              .area_m2 = 0.5,
+                             .coverage = {{1'000, 0.9, 0.8, 0.6}},
                              .simplification = mesh::SimplificationError{9, 0.001, 0.002},
                              .voxels = {0.01, 0.005, 0.02}};
     evaluation::KnownDistanceErrors known;
@@ -239,6 +240,15 @@ TEST(MetricsDocument, TellsWhetherASensorKnowsTheVertical) {
     input.vertical_is_known = false;
     EXPECT_EQ(metrics_document(input)["trajectory"]["vertical_known"], false);
     EXPECT_TRUE(is_valid(metrics_document(input)));
+}
+
+TEST(MetricsDocument, CoverageOfTheSurfaceIsOverWhatWasMatched) {
+    MetricsInput input = dive_with_everything();
+    input.mesh->coverage = {{1, 0.9, 0.5, 0.4}, {2, 0.7, 0.3, 0.2}};
+    const json mesh = metrics_document(input)["mesh"];
+    EXPECT_NEAR(mesh["covered_share"].get<double>(), 0.8, 1e-12);
+    EXPECT_NEAR(mesh["covered_share_of_matched"].get<double>(), 0.6 / 0.8, 1e-12);
+    EXPECT_EQ(mesh["covered_images"].size(), 2U);
 }
 
 TEST(MetricsDocument, PeakMemoryCountsWhatWasGivenBack) {

@@ -41,7 +41,7 @@ protected:
                  options,
                  folder_ / "",
                  base::ignore_progress);
-        return mesh(*map.volume, options, base::ignore_progress);
+        return mesh(*map.volume, options, base::ignore_progress).mesh;
     }
 
     TemporaryFolder folder_;

@@ -136,6 +136,8 @@ TEST(StageFiles, AMeshSurvivesTheDisk) {
     mesh.sigma_local_m = {0.0005F, 0.001F, 0.002F};
     mesh.triangles = {{0, 1, 2}};
     surface.simplification = mesh::SimplificationError{7, 0.001, 0.002};
+    surface.small_components_m2 = 0.25;
+    surface.cut_by_sigma_m2 = 1.5;
     save_surface(folder / "mesh.stage", "key", surface);
     const auto read = load_surface(folder / "mesh.stage", "key");
 
@@ -148,6 +150,8 @@ TEST(StageFiles, AMeshSurvivesTheDisk) {
     ASSERT_TRUE(read->simplification);
     EXPECT_EQ(read->simplification->num_triangles_before, 7);
     EXPECT_EQ(read->simplification->max_m, 0.002);
+    EXPECT_EQ(read->small_components_m2, 0.25);
+    EXPECT_EQ(read->cut_by_sigma_m2, 1.5);
 }
 
 }  // namespace
