@@ -59,6 +59,16 @@ HtmlRows accuracy_rows(const json& metrics) {
     reader.add(rows, "Mesh completeness, median", "/surface/completeness/median_m", "%.1f mm", 1e3);
     reader.add(rows, "F1 at 10 mm", "/surface/scores/1/f1", "%.1f %%", 1e2);
     reader.add(rows, "F1 at 20 mm", "/surface/scores/2/f1", "%.1f %%", 1e2);
+    reader.add(rows,
+               "Reference seen by three pairs, within 20 mm of the mesh",
+               "/surface/share_20mm",
+               "%.1f %%",
+               1e2);
+    reader.add(rows,
+               "Mesh farther than 50 mm from the reference",
+               "/surface/false_share_50mm",
+               "%.1f %%",
+               1e2);
     return rows;
 }
 

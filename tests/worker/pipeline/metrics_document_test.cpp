@@ -87,6 +87,7 @@ MetricsInput dive_with_everything() {
         surface.scores.push_back({threshold, 0.5, 0.5, 0.5});
     surface.relative = evaluation::RelativeDistance{0.001, 0.004};
     surface.near_completeness = evaluation::DistanceSummary{};
+    surface.share_20mm = 0.9;
     input.evaluation.surface = surface;
     input.mesh = MeshMetrics{.num_vertices = 3,
                              .num_triangles = 1,
