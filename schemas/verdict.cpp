@@ -48,6 +48,8 @@ constexpr Row kRows[] = {
     {"images_soft",                 "surface"},
     {"rolling_shutter",             "surface"},
     {"images_featureless",          "surface"},
+    {"vertical_unknown",            "surface"},
+    {"surface_incomplete",          "surface"},
     {"bounds_unknown",              "accuracy"},
     {"calibration_not_converged",   "accuracy"},
     {"calibration_not_taken",       "accuracy"},

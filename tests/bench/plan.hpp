@@ -55,7 +55,8 @@ const std::vector<Dive>& all_dives();
 const std::vector<std::string>& all_presets();
 const std::vector<Ablation>& all_ablations();
 // Returns the runs of a group. The group `trajectory` runs every preset on every dive, and every
-// ablation with the preset `standard`.
+// ablation with the preset `standard`. Of the others only `surface` runs simulated dives, with
+// `standard`.
 std::vector<Run> runs_of(const std::string& group);
 const std::vector<Goal>& all_goals();
 const std::vector<Metric>& all_metrics();

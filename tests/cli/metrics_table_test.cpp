@@ -45,5 +45,22 @@ TEST(MetricsSummaryTest, TellsWhatSimplifyingLost) {
               "  simplification error, max  3.1 mm\n");
 }
 
+TEST(MetricsSummaryTest, TellsWhatIsMissingOfTheSurface) {
+    const nlohmann::json metrics = {{"mesh",
+                                     {{"area_m2", 12.5},
+                                      {"covered_share", 0.884},
+                                      {"covered_share_of_matched", 0.913},
+                                      {"num_holes", 7},
+                                      {"hole_area_m2", 0.0418},
+                                      {"cut_by_sigma_m2", 1.25}}}};
+    EXPECT_EQ(metrics_summary(metrics),
+              "mesh                          12.50 m2\n"
+              "  of keyframe images covered  88 %\n"
+              "  of measured surface         91 %\n"
+              "  holes                       7\n"
+              "  area of the holes           0.042 m2\n"
+              "  removed by max_sigma_m      1.250 m2\n");
+}
+
 }  // namespace
 }  // namespace divemesh::cli

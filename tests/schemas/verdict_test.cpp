@@ -17,9 +17,12 @@ TEST(VerdictTest, FindingsForInformationRestrictNothing) {
 TEST(VerdictTest, AWarningRestrictsWhatItsRowSays) {
     const std::vector<Finding> findings = {finding(Severity::Warning, "tracking_lost"),
                                            finding(Severity::Warning, "scale_untested"),
-                                           finding(Severity::Warning, "dive_in_segments")};
+                                           finding(Severity::Warning, "dive_in_segments"),
+                                           finding(Severity::Warning, "vertical_unknown"),
+                                           finding(Severity::Warning, "surface_incomplete")};
     EXPECT_EQ(verdict_on(findings), Verdict::UsableWithRestrictions);
-    EXPECT_EQ(restrictions_of(findings), (std::vector<std::string_view>{"path", "scale"}));
+    EXPECT_EQ(restrictions_of(findings),
+              (std::vector<std::string_view>{"path", "scale", "surface"}));
 }
 
 TEST(VerdictTest, AWarningOnTheRecordingAloneRestrictsNothing) {

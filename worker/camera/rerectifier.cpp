@@ -101,7 +101,7 @@ types::KeyframeImages KeyframeRerectifier::moved(const types::KeyframeImages& im
 
 cv::Mat KeyframeRerectifier::moved(const cv::Mat& left) const {
     cv::Mat result;
-    cv::remap(left, result, source_x_, source_y_, cv::INTER_LINEAR);
+    if (!left.empty()) cv::remap(left, result, source_x_, source_y_, cv::INTER_LINEAR);
     return result;
 }
 

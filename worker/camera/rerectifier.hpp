@@ -35,9 +35,9 @@ class KeyframeRerectifier {
 public:
     KeyframeRerectifier(const types::RectifiedRig& rectified, const Rerectifier& rerectifier);
 
-    // Returns the resampled left image, and depth by mapping both ends of every disparity. Rows
-    // stay as they were when the pair was matched: a vertical error of the right lens is not
-    // corrected.
+    // Returns the resampled left image (empty if it is), and depth by mapping both ends of every
+    // disparity. Rows stay as they were when the pair was matched: a vertical error of the right
+    // lens is not corrected.
     types::KeyframeImages moved(const types::KeyframeImages& images) const;
     cv::Mat moved(const cv::Mat& left) const;
 

@@ -34,6 +34,7 @@ void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
     for (const types::StampedPose& pose : input.trajectory)
         surface.camera_positions_world.emplace_back(
             (pose.T_world_imu * input.rig.T_imu_cam0).translation());
+    surface.pairs = pairs_along(input.trajectory, input.rig);
     surface.num_threads = input.num_threads;
     try {
         evaluation.surface = surface_error(*input.mesh, *input.reference, surface);

@@ -16,6 +16,10 @@ namespace divemesh::evaluation {
 namespace {
 
 constexpr double kThresholds_m[] = {0.005, 0.010, 0.020, 0.050};
+constexpr double kFound_m = 0.020;
+constexpr double kFalse_m = 0.050;
+constexpr int kMinPairs = 3;
+constexpr std::size_t kMaxSeenSamples = 50'000;  // sigma of a share: 0.2 %
 
 types::Mesh moved(const types::Mesh& mesh_world, const Eigen::Isometry3d& T_reference_world) {
     types::Mesh mesh;
@@ -55,6 +59,40 @@ std::vector<T> within(const std::vector<T>& entries,
     for (std::size_t i = 0; i < entries.size(); ++i)
         if (ranges_m[i] <= limit_m) kept.push_back(entries[i]);
     return kept;
+}
+
+// Returns the number of samples that are farther than kFalse_m from the reference.
+template <typename Surface>
+std::int64_t count_false(const std::vector<Eigen::Vector3f>& samples,
+                         const Surface& reference,
+                         int num_threads) {
+    constexpr auto kLimit_m = static_cast<float>(kFalse_m);
+    std::vector<std::uint8_t> is_false(samples.size());
+    base::for_each_index(num_threads, samples.size(), [&](std::size_t i) {
+        is_false[i] = reference.distance_m(samples[i], kLimit_m) >= kLimit_m ? 1 : 0;
+    });
+    return std::count(is_false.begin(), is_false.end(), 1);
+}
+
+// Returns the share within kFound_m of our surface of the reference samples that the pairs saw;
+// nullopt if they saw none.
+std::optional<double> share_of_seen(const std::vector<Eigen::Vector3f>& reference_samples,
+                                    const std::vector<double>& completeness_m,
+                                    const SeenInPairs& pairs,
+                                    int num_threads) {
+    const std::size_t step = 1 + reference_samples.size() / (kMaxSeenSamples + 1);
+    std::vector<std::uint8_t> seen((reference_samples.size() + step - 1) / step);
+    base::for_each_index(num_threads, seen.size(), [&](std::size_t i) {
+        seen[i] = pairs.is_seen(reference_samples[i * step], kMinPairs) ? 1 : 0;
+    });
+    std::int64_t num_seen = 0;
+    std::int64_t num_found = 0;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        num_seen += seen[i];
+        num_found += completeness_m[i * step] <= kFound_m ? seen[i] : 0;
+    }
+    if (num_seen == 0) return std::nullopt;
+    return static_cast<double>(num_found) / static_cast<double>(num_seen);
 }
 
 DistanceSummary summarise(const std::vector<double>& sorted) {
@@ -152,9 +190,12 @@ SurfaceError surface_error(const types::Mesh& mesh_world,
 
     SurfaceError error;
     std::vector<double> our_ranges_m;
+    std::vector<Eigen::Vector3f> beyond_range;
     if (!input.camera_positions_world.empty()) {
         const NearestCamera cameras = cameras_of(input);
         const auto ranges_m = distances(our_samples, cameras, input.num_threads);
+        for (std::size_t i = 0; i < our_samples.size(); ++i)
+            if (ranges_m[i] > input.max_range_m) beyond_range.push_back(our_samples[i]);
         our_samples = within(our_samples, ranges_m, input.max_range_m);
         our_ranges_m = within(ranges_m, ranges_m, input.max_range_m);
         auto near = within(completeness,
@@ -163,8 +204,24 @@ SurfaceError surface_error(const types::Mesh& mesh_world,
         std::sort(near.begin(), near.end());
         error.near_completeness = summarise(near);
     }
-    auto accuracy = is_cloud ? distances(our_samples, PointIndex(reference), input.num_threads)
-                             : distances(our_samples, SurfaceIndex(reference), input.num_threads);
+    std::int64_t num_false = 0;
+    const auto compare = [&](const auto& surface) {
+        num_false = count_false(beyond_range, surface, input.num_threads);
+        return distances(our_samples, surface, input.num_threads);
+    };
+    std::vector<double> accuracy;
+    if (is_cloud) {
+        accuracy = compare(PointIndex(reference));
+    } else {
+        const SurfaceIndex surface(reference);
+        accuracy = compare(surface);
+        if (input.pairs)
+            error.share_20mm = share_of_seen(
+                reference_samples,
+                completeness,
+                SeenInPairs(*input.pairs, input.T_reference_world, surface, kSeenRange_m),
+                input.num_threads);
+    }
     if (is_cloud) error.reference_spacing_m = spacing_m(reference, input.num_threads);
     error.histogram = histogram_of(accuracy);
     if (!our_ranges_m.empty()) error.relative = relative_to(our_ranges_m, accuracy);
@@ -173,6 +230,8 @@ SurfaceError surface_error(const types::Mesh& mesh_world,
 
     error.accuracy = summarise(accuracy);
     error.completeness = summarise(completeness);
+    num_false += accuracy.end() - std::upper_bound(accuracy.begin(), accuracy.end(), kFalse_m);
+    error.false_share_50mm = static_cast<double>(num_false) / num_samples;
     error.share_beyond_range = 1.0 - static_cast<double>(our_samples.size()) / num_samples;
     for (const double threshold : kThresholds_m) {
         const double precision = share_within(accuracy, threshold);
@@ -194,10 +253,12 @@ nlohmann::json to_metrics(const SurfaceError& error) {
     nlohmann::json json = {{"accuracy", to_json(error.accuracy)},
                            {"completeness", to_json(error.completeness)},
                            {"share_beyond_range", error.share_beyond_range},
+                           {"false_share_50mm", error.false_share_50mm},
                            {"scores", scores}};
     if (error.relative)
         json["relative_accuracy"] = {{"median_percent", 100.0 * error.relative->median},
                                      {"p80_percent", 100.0 * error.relative->p80}};
+    if (error.share_20mm) json["share_20mm"] = *error.share_20mm;
     if (error.reference_spacing_m) json["reference_spacing_m"] = *error.reference_spacing_m;
     if (error.near_completeness) json["near_completeness"] = to_json(*error.near_completeness);
     return json;

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "worker/evaluation/seen_in_pairs.hpp"
 #include "worker/types/mesh.hpp"
 
 namespace divemesh::evaluation {
@@ -14,9 +15,10 @@ namespace divemesh::evaluation {
 struct SurfaceErrorInput {
     Eigen::Isometry3d T_reference_world = Eigen::Isometry3d::Identity();  // from the poses
     std::vector<Eigen::Vector3d>
-        camera_positions_world;  // of the estimate; empty: no limit of range
-    double near_range_m = 1.6;   // reference surface within this range counts as near
-    double max_range_m = 4.0;    // our surface farther than this from every camera is left out
+        camera_positions_world;        // of the estimate; empty: no limit of range
+    std::optional<StereoPairs> pairs;  // of the estimate; nullopt: no share of what they saw
+    double near_range_m = 1.6;         // reference surface within this range counts as near
+    double max_range_m = 4.0;  // our surface farther than this from every camera is left out
     std::int64_t num_samples = 1'000'000;  // in each direction
     std::uint64_t seed = 1;
     int num_threads = 0;  // 0: all cores; does not change any metric
@@ -54,6 +56,10 @@ struct SurfaceError {
     // The next two are nullopt if the cameras are unknown.
     std::optional<RelativeDistance> relative;          // of accuracy
     std::optional<DistanceSummary> near_completeness;  // of the reference near a camera
+    // Share of the reference seen in three pairs within kSeenRange_m that lies within 20 mm of our
+    // surface; nullopt if the pairs are unknown, nothing was seen, or the reference is a cloud.
+    std::optional<double> share_20mm;
+    double false_share_50mm = 0.0;       // of all our samples: farther from the reference
     double share_beyond_range = 0.0;     // of our samples; these are excluded from accuracy
     std::vector<ThresholdScore> scores;  // 5, 10, 20, 50 mm
     // Median distance from a reference point to the next; only if the reference is a cloud.
@@ -63,6 +69,7 @@ struct SurfaceError {
     std::vector<double> histogram;
 };
 
+inline constexpr double kSeenRange_m = 3.0;
 inline constexpr double kErrorBin_m = 0.001;
 inline constexpr std::size_t kNumErrorBins = 51;
 

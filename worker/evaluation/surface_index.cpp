@@ -70,12 +70,12 @@ SurfaceIndex::~SurfaceIndex() {
     if (implementation_->device != nullptr) rtcReleaseDevice(implementation_->device);
 }
 
-float SurfaceIndex::distance_m(const Eigen::Vector3f& point) const {
+float SurfaceIndex::distance_m(const Eigen::Vector3f& point, float max_m) const {
     RTCPointQuery query{};
     query.x = point.x();
     query.y = point.y();
     query.z = point.z();
-    query.radius = std::numeric_limits<float>::infinity();
+    query.radius = max_m;
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
     rtcPointQuery(implementation_->scene,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <memory>
 #include <optional>
 
@@ -18,9 +19,10 @@ public:
     SurfaceIndex(const SurfaceIndex&) = delete;
     SurfaceIndex& operator=(const SurfaceIndex&) = delete;
 
-    // Returns the distance to the nearest point of any triangle; infinity for a mesh without
-    // triangles.
-    float distance_m(const Eigen::Vector3f& point) const;
+    // Returns the distance to the nearest point of any triangle; `max_m` if it is farther, or if
+    // the mesh has no triangles.
+    float distance_m(const Eigen::Vector3f& point,
+                     float max_m = std::numeric_limits<float>::infinity()) const;
 
     // Returns the distance along a unit direction to the first triangle, from either side; nullopt
     // if there is no hit.
@@ -38,7 +40,10 @@ class PointIndex {
 public:
     explicit PointIndex(const types::Mesh& cloud);
 
-    float distance_m(const Eigen::Vector3f& point) const { return index_.distance_m(point); }
+    float distance_m(const Eigen::Vector3f& point,
+                     float max_m = std::numeric_limits<float>::infinity()) const {
+        return index_.distance_m(point, max_m);
+    }
 
 private:
     types::Mesh points_;

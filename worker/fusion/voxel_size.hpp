@@ -13,6 +13,11 @@ double choose_voxel_m(const types::RectifiedRig& rig, double median_depth_m);
 // gain.
 double choose_max_depth_m(const types::RectifiedRig& rig, double voxel_m);
 
+// Returns the depth beyond which voxels chosen for the median depth make no surface at any level:
+// the standard deviation of the depth is there at least six of the largest voxels by which it is
+// judged, which are 1.7 of those at the median depth (TsdfVolume).
+double farthest_surface_m(const types::RectifiedRig& rig, double median_depth_m);
+
 inline constexpr int kMinRelativeLevel = -6;
 inline constexpr int kMaxRelativeLevel = 3;
 

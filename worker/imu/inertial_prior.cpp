@@ -153,6 +153,10 @@ double InertialPrior::depth_sigma_m(double interval_s) const {
                       pressure_error_m_ / std::numbers::sqrt2 * std::sqrt(std::max(1.0, times)));
 }
 
+bool InertialPrior::knows_vertical(std::int64_t time_ns) const {
+    return accelerometer_ || absolute(time_ns).has_value();
+}
+
 SensorReadings InertialPrior::readings(std::int64_t from_ns, std::int64_t to_ns) const {
     SensorReadings readings;
     readings.interval_s = base::to_s(to_ns - from_ns);

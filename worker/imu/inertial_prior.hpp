@@ -76,6 +76,9 @@ public:
     std::optional<Eigen::Quaterniond> absolute(std::int64_t time_ns) const;
     // Returns the depth from the pressure, m, interpolated; nullopt without a sensor or in a gap.
     std::optional<double> depth_m(std::int64_t time_ns) const;
+    // Returns true if a sensor measures which way is up at a time. Otherwise initial_orientation()
+    // is a guess.
+    bool knows_vertical(std::int64_t time_ns) const;
     // Returns all of these; if `from_ns` == `to_ns`, those of the single time only.
     SensorReadings readings(std::int64_t from_ns, std::int64_t to_ns) const;
     // Returns q_world_imu, z up: from the AHRS, else from the accelerometer over the following

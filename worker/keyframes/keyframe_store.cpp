@@ -229,6 +229,12 @@ types::KeyframeImages KeyframeStore::read(int frame_index) const {
     return correction_ ? correction_->moved(frame_index, images) : images;
 }
 
+types::DepthMap KeyframeStore::read_depth(int frame_index) const {
+    KeyframeStore store = *this;
+    store.left_in_color_ = {};
+    return store.read(frame_index).depth;
+}
+
 cv::Mat KeyframeStore::read_disparities(int frame_index, int step_px) const {
     const std::filesystem::path path = file_of(frame_index, "keyframe");
     std::ifstream file(path, std::ios::binary);

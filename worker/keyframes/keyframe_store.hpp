@@ -35,6 +35,7 @@ public:
     void write(int frame_index, const types::DepthMap& depth) const;  // throws Error{OutOfSpace}
     types::KeyframeImages read(int frame_index) const;                // throws Error{NotFound}
     cv::Mat left_in_color(int frame_index) const;                     // the image of read() alone
+    types::DepthMap read_depth(int frame_index) const;                // the depth of read() alone
     // Returns every step_px-th disparity of every step_px-th row (CV_32F, px), as matched: without
     // the maps of rerectified() and corrected(). Reads these rows alone. Throws Error{NotFound}.
     cv::Mat read_disparities(int frame_index, int step_px) const;

@@ -14,10 +14,10 @@ constexpr double kMinComponent_voxels = 100.0;  // faces of a voxel
 
 }  // namespace
 
-types::Mesh extract_surface(const fusion::Volume& volume,
-                            const std::string& mesher,
-                            int num_threads,
-                            const base::ProgressCallback& progress) {
+ExtractedSurface extract_surface(const fusion::Volume& volume,
+                                 const std::string& mesher,
+                                 int num_threads,
+                                 const base::ProgressCallback& progress) {
     base::ProgressShare share{.report = progress};
     share.at(0.0);
     const auto field = volume.field(num_threads);
@@ -26,9 +26,9 @@ types::Mesh extract_surface(const fusion::Volume& volume,
     const MeshingSettings settings{.num_threads = num_threads, .progress = share};
     types::Mesh whole = mesher == "marching_cubes" ? marching_cubes(*field, settings)
                                                    : surface_nets(*field, settings);
-    types::Mesh surface = keep_large_components(std::move(whole), kMinComponent_voxels);
-    smooth_membrane(surface, num_threads);
-    return surface;
+    LargeComponents surface = keep_large_components(std::move(whole), kMinComponent_voxels);
+    smooth_membrane(surface.mesh, num_threads);
+    return {std::move(surface.mesh), surface.removed_m2};
 }
 
 }  // namespace divemesh::mesh

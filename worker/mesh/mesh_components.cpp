@@ -76,16 +76,20 @@ void remove_unreferenced_vertices(types::Mesh& mesh) {
     keep_entries(mesh.voxel_m, kept);
 }
 
-types::Mesh keep_large_components(types::Mesh mesh, double min_area_voxels) {
+LargeComponents keep_large_components(types::Mesh mesh, double min_area_voxels) {
     const MeshComponents components =
         sum_components(mesh, [&](const auto& triangle) { return area_in_voxels(mesh, triangle); });
+    double removed_m2 = 0.0;
     std::size_t num_kept = 0;
-    for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         if (components.area_m2[components.of_triangle[i]] >= min_area_voxels)
             mesh.triangles[num_kept++] = mesh.triangles[i];
+        else
+            removed_m2 += types::triangle_area_m2(mesh, mesh.triangles[i]);
+    }
     mesh.triangles.resize(num_kept);
     remove_unreferenced_vertices(mesh);
-    return mesh;
+    return {std::move(mesh), removed_m2};
 }
 
 MeshTopology check_topology(const types::Mesh& mesh) {

@@ -18,9 +18,15 @@ MeshComponents find_components(const types::Mesh& mesh);
 // Removes the vertices that no triangle uses. Keeps the order.
 void remove_unreferenced_vertices(types::Mesh& mesh);
 
+// A mesh without its small components.
+struct LargeComponents {
+    types::Mesh mesh;
+    double removed_m2 = 0.0;
+};
+
 // Returns the mesh without components of less than an area, in faces of the voxels that they were
 // sampled on, and without unreferenced vertices. Keeps the order. The mesh must have voxel_m.
-types::Mesh keep_large_components(types::Mesh mesh, double min_area_voxels);
+LargeComponents keep_large_components(types::Mesh mesh, double min_area_voxels);
 
 // The topology that a surface must have before it can be measured, textured or simplified.
 struct MeshTopology {

@@ -53,7 +53,8 @@ void run_fuse(Reconstruction& made, const base::ProgressCallback& progress) {
     FusedMap map = fuse({made.optimised.rig,
                          made.optimised.mapped,
                          made.track.statistics.median_depth_m,
-                         made.keyframe_store},
+                         made.keyframe_store,
+                         made.optimised.max_depth_m},
                         made.options(),
                         made.request.scratch,
                         progress);

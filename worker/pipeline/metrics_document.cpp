@@ -319,6 +319,8 @@ json mesh(const MeshMetrics& metrics) {
                    {"hole_area_m2", metrics.borders.hole_area_m2},
                    {"largest_hole_m2", metrics.borders.largest_hole_m2},
                    {"outer_edge_m", metrics.borders.outer_edge_m},
+                   {"small_components_m2", metrics.small_components_m2},
+                   {"cut_by_sigma_m2", metrics.cut_by_sigma_m2},
                    {"voxel_m", metrics.voxels.median_m},
                    {"finest_voxel_m", metrics.voxels.finest_m},
                    {"coarsest_voxel_m", metrics.voxels.coarsest_m},
@@ -331,8 +333,13 @@ json mesh(const MeshMetrics& metrics) {
         result["covered_share"] = mesh::mean_covered_share(metrics.coverage);
         for (const mesh::ImageCoverage& image : metrics.coverage)
             result["covered_images"].push_back(
-                {{"timestamp_ns", image.timestamp_ns}, {"share", image.covered_share}});
+                {{"timestamp_ns", image.timestamp_ns},
+                 {"share", image.covered_share},
+                 {"matched_share", image.matched_share},
+                 {"covered_matched_share", image.covered_matched_share}});
     }
+    if (const auto share = mesh::covered_share_of_matched(metrics.coverage))
+        result["covered_share_of_matched"] = *share;
     if (metrics.simplification)
         result["simplification"] = {
             {"num_triangles_before", metrics.simplification->num_triangles_before},
@@ -393,6 +400,7 @@ json metrics_document(const MetricsInput& input) {
                      {"pieces", segments(input.segments)},
                      {"estimation", estimation(input)},
                      {"speed", speed(input)}};
+    document["trajectory"]["vertical_known"] = input.vertical_is_known;
     if (input.track.dense.num_frames > 0) document["stereo"] = stereo(input.track.dense);
     if (input.mesh) document["mesh"] = mesh(*input.mesh);
     if (input.end_covariance_m2)

@@ -34,6 +34,8 @@ struct MeshMetrics {
     double area_m2 = 0.0;
     mesh::MeshBorders borders;
     std::vector<mesh::ImageCoverage> coverage;
+    double small_components_m2 = 0.0;  // these two were removed
+    double cut_by_sigma_m2 = 0.0;
     std::optional<mesh::SimplificationError> simplification;  // nullopt: not simplified
     VoxelSizes voxels;
     CloudMetrics cloud;
@@ -64,6 +66,7 @@ struct MetricsInput {
     std::int64_t num_frames_by_imu = 0;     // the IMU alone measured the motion to them
     std::int64_t num_frames_predicted = 0;  // nothing measured their pose
     double path_length_m = 0.0;             // of the final trajectory, over what was measured
+    bool vertical_is_known = true;          // by sensors; false: z is up only if the first image is
     std::vector<types::TrackingSegment> segments;
     std::optional<MeshMetrics> mesh;                // nullopt: no surface was requested
     std::optional<markers::MarkerMetrics> markers;  // nullopt: markers were not searched for

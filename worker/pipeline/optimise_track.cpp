@@ -12,20 +12,17 @@
 #include "worker/loops/close_loops.hpp"
 #include "worker/loops/drift_model.hpp"
 #include "worker/loops/find_loops.hpp"
-#include "worker/loops/separate_segments.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 #include "worker/optimisation/follow_keyframes.hpp"
 #include "worker/optimisation/frame_covariances.hpp"
 #include "worker/optimisation/global_bundle_adjustment.hpp"
 #include "worker/pipeline/known_motions.hpp"
+#include "worker/pipeline/segments_apart.hpp"
 #include "worker/pipeline/solver_findings.hpp"
 #include "worker/pipeline/track_agreement.hpp"
 
 namespace divemesh::pipeline {
 namespace {
-
-// Range of a camera, in median depths of the dive.
-constexpr double kReach = 3.0;
 
 // Runs the steps of optimise_track, and runs them again with less if the result is worse.
 class TrackOptimiser {
@@ -224,7 +221,8 @@ void TrackOptimiser::take(types::Track& closed,
     if (pose_graph_)
         add(solver_findings(*pose_graph_, "loops_not_converged", "the pose graph of the loops"));
     result_.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
-    loops::separate_segments(kReach * track_.statistics.median_depth_m, closed.keyframes);
+    result_.max_depth_m =
+        set_segments_apart(closed.rig, track_.statistics.median_depth_m, closed.keyframes);
     result_.trajectory = optimisation::follow_keyframes(
         closed.odometry, track_.sigmas, closed.keyframes, closed.rig.T_imu_cam, track_.breaks_ns);
     result_.breaks_ns = track_.breaks_ns;

@@ -53,8 +53,7 @@ imu::PressureJudgement judge_pressure(const types::Recording& recording,
     if (!options.use_pressure) return {};
     const imu::InertialPrior inertial(recording, options, track.left_out);
     const bool vertical_is_known =
-        inertial.has_accelerometer() ||
-        (!track.causal.empty() && inertial.absolute(track.causal.front().timestamp_ns));
+        !track.causal.empty() && inertial.knows_vertical(track.causal.front().timestamp_ns);
     return imu::judge_pressure(
         recording.pressure(), track.causal, track.breaks_ns, vertical_is_known);
 }
@@ -166,7 +165,9 @@ FusedMap fuse(const FramesToFuse& input,
     const std::vector<types::Keyframe>& frames = input.frames;
     FusedMap map;
     const double median_m = median_depth_m(input);
-    const fusion::VolumeSettings settings = settings_of_volume(input, options, median_m, scratch);
+    fusion::VolumeSettings settings = settings_of_volume(input, options, median_m, scratch);
+    if (input.max_depth_m > 0.0)
+        settings.max_depth_m = std::min(settings.max_depth_m, input.max_depth_m);
     map.volume = fusion::make_volume(settings, options);
     map.cloud = fusion::make_cloud(settings, options);
     // Consecutive frames see nearly the same points, so all of them are used only if the cloud's
@@ -199,9 +200,9 @@ FusedMap fuse(const FramesToFuse& input,
     return map;
 }
 
-types::Mesh mesh(const fusion::Volume& volume,
-                 const ReconstructionOptions& options,
-                 const base::ProgressCallback& progress) {
+mesh::ExtractedSurface mesh(const fusion::Volume& volume,
+                            const ReconstructionOptions& options,
+                            const base::ProgressCallback& progress) {
     return mesh::extract_surface(volume, options.mesher, options.num_threads, progress);  // 8
 }
 

@@ -9,8 +9,8 @@
 #include "worker/fusion/fusion_volume.hpp"
 #include "worker/fusion/octree_volume.hpp"
 #include "worker/keyframes/keyframe_store.hpp"
+#include "worker/mesh/extract_surface.hpp"
 #include "worker/types/keyframe.hpp"
-#include "worker/types/mesh.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rectified_rig.hpp"
@@ -52,6 +52,7 @@ struct FramesToFuse {
     const std::vector<types::Keyframe>& frames;
     double median_depth_m = 0.0;
     const keyframes::KeyframeStore& store;
+    double max_depth_m = 0.0;  // whatever the options say; 0: no limit
 };
 
 // Step 7: fuses the depth of the frames. Voxels and points beyond `options.fusion_memory_bytes` are
@@ -62,8 +63,8 @@ FusedMap fuse(const FramesToFuse& input,
               const base::ProgressCallback& progress);
 
 // Step 8: returns the surface of the volume.
-types::Mesh mesh(const fusion::Volume& volume,
-                 const ReconstructionOptions& options,
-                 const base::ProgressCallback& progress);
+mesh::ExtractedSurface mesh(const fusion::Volume& volume,
+                            const ReconstructionOptions& options,
+                            const base::ProgressCallback& progress);
 
 }  // namespace divemesh::pipeline

@@ -10,6 +10,7 @@
 #include "worker/pipeline/metrics_document.hpp"
 #include "worker/pipeline/result_findings.hpp"
 #include "worker/pipeline/scale_of_result.hpp"
+#include "worker/pipeline/vertical.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -35,6 +36,12 @@ evaluation::ExpectedAccuracy expected(const Reconstruction& made, const Segments
          .mesh = made.request.options.surface ? &made.surface.mesh : nullptr});
 }
 
+bool knows_vertical(const Reconstruction& made) {
+    imu::InertialPrior inertial(made.recording, made.request.options, made.track.left_out);
+    inertial.set_pressure_error(made.track.pressure_error_m);
+    return vertical_is_known(inertial, made.optimised);
+}
+
 std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
     if (!made.request.options.surface) return std::nullopt;
     const types::Mesh& mesh = made.surface.mesh;
@@ -43,6 +50,8 @@ std::optional<MeshMetrics> mesh_metrics(const Reconstruction& made) {
                        .area_m2 = evaluation::surface_area_m2(mesh),
                        .borders = made.borders,
                        .coverage = made.coverage,
+                       .small_components_m2 = made.surface.small_components_m2,
+                       .cut_by_sigma_m2 = made.surface.cut_by_sigma_m2,
                        .simplification = made.surface.simplification,
                        .voxels = made.voxels,
                        .cloud = made.cloud,
@@ -64,7 +73,8 @@ std::vector<Finding> findings_on_dive(const Reconstruction& made) {
 // Returns the findings about the dive, then those about its reconstruction.
 std::vector<Finding> findings(const Reconstruction& made,
                               const Segments& segments,
-                              const evaluation::ExpectedAccuracy& expected) {
+                              const evaluation::ExpectedAccuracy& expected,
+                              bool vertical_known) {
     std::vector<Finding> all = findings_on_dive(made);
     const std::vector<Finding> of_cameras = alignment_findings(made.alignment);
     all.insert(all.end(), of_cameras.begin(), of_cameras.end());
@@ -77,11 +87,13 @@ std::vector<Finding> findings(const Reconstruction& made,
     add(segments_finding(segments));
     add(scale_finding(expected));
     add(bounds_finding(expected, segments.size()));
+    add(vertical_finding(vertical_known));
     add(shutter_finding(made.refined()));
-    if (made.options().surface) {
-        add(left_out_finding(made.cloud.fused, made.max_depth_m, made.voxels, made.options()));
-        add(surface_finding(std::ssize(made.surface.mesh.triangles)));
-    }
+    if (!made.options().surface) return all;
+    add(left_out_finding(made.cloud.fused, made.max_depth_m, made.voxels, made.options()));
+    add(surface_finding(std::ssize(made.surface.mesh.triangles)));
+    if (!made.surface.mesh.triangles.empty())
+        add(incomplete_finding(made.coverage, made.surface.cut_by_sigma_m2));
     return all;
 }
 
@@ -112,6 +124,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
         made.optimised.trajectory, made.optimised.keyframes, made.optimised.breaks_ns);
     const evaluation::ExpectedAccuracy accuracy = expected(made, segments);
     const types::CovarianceTrack covariances = stated_covariances(made.optimised);
+    const bool vertical_known = knows_vertical(made);
     return metrics_document(
         {.version = DIVEMESH_VERSION,
          .preset = made.request.preset,
@@ -137,6 +150,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
              made.track.motions.begin(), made.track.motions.end(), types::MotionSource::Imu),
          .num_frames_predicted = std::ssize(made.optimised.predicted),
          .path_length_m = path_length_m(segments),
+         .vertical_is_known = vertical_known,
          .segments = segments,
          .mesh = mesh_metrics(made),
          .markers = made.markers,
@@ -144,7 +158,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .stages = made.stages,
          .evaluation = made.evaluation,
          .expected = accuracy,
-         .findings = findings(made, segments, accuracy)});
+         .findings = findings(made, segments, accuracy, vertical_known)});
 }
 
 }  // namespace divemesh::pipeline

@@ -9,6 +9,9 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr std::size_t kMaxSegments = 8;  // listed one by one
+// Meshes of good dives fill 0.88 to 0.98 of their images: the rest are rims, and depth that no
+// other frame confirms. A dive that lacks a third of what was seen has at most 0.67.
+constexpr double kMinCoveredShare = 0.75;
 
 // Shares of the fused depth. Cameras that look ahead over flat ground have a fifth of their image
 // beyond 2.4 times its median depth, which is the reach of one voxel for all if it is chosen from
@@ -73,6 +76,19 @@ std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expect
                    "use the preset standard or accurate, and check what else was found"};
 }
 
+std::optional<Finding> vertical_finding(bool vertical_known) {
+    if (vertical_known) return std::nullopt;
+    return Finding{
+        Severity::Warning,
+        "vertical_unknown",
+        "",
+        "no IMU, AHRS or pressure sensor tells which way is up, so the first image was taken to be "
+        "level: the ground may lie tilted or upright in the model, and mosaic, heights and slopes "
+        "with it",
+        "record an IMU, an AHRS or a depth sensor on the next dive; on this one measure areas "
+        "whose plane their corners give (divemesh measure --areas)"};
+}
+
 std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibration) {
     if (!calibration.readout_time_applied) return std::nullopt;
     return Finding{Severity::Warning,
@@ -124,6 +140,25 @@ std::optional<Finding> surface_finding(std::int64_t num_triangles) {
                    "check that left and right images are equally sharp and fit the calibration "
                    "(divemesh validate DIVE), that the scene is within max_depth_m, and that "
                    "max_sigma_m does not cut away the whole surface"};
+}
+
+std::optional<Finding> incomplete_finding(const std::vector<mesh::ImageCoverage>& images,
+                                          double cut_by_sigma_m2) {
+    const std::optional<double> share = mesh::covered_share_of_matched(images);
+    if (!share || *share >= kMinCoveredShare) return std::nullopt;
+    const bool is_cut = cut_by_sigma_m2 > 0.0;
+    return Finding{
+        Severity::Warning,
+        "surface_incomplete",
+        "",
+        "the mesh has only " + base::fixed(100.0 * *share, 0) + " % of the surface whose depth " +
+            std::to_string(images.size()) + " keyframes measured" +
+            (is_cut ? " (max_sigma_m removed " + base::fixed(cut_by_sigma_m2, 2) + " m2)" : "") +
+            ": the rest is missing",
+        std::string(is_cut ? "reconstruct with a larger max_sigma_m; " : "") +
+            "mesh.covered_images in metrics.json names the images: swim over these places again, "
+            "nearer and slower, so that several frames see each of them; measure only where there "
+            "is surface"};
 }
 
 }  // namespace divemesh::pipeline

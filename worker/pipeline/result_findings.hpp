@@ -7,6 +7,7 @@
 #include "schemas/finding.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "worker/evaluation/expected_accuracy.hpp"
+#include "worker/mesh/image_coverage.hpp"
 #include "worker/pipeline/map_metrics.hpp"
 #include "worker/types/refined_calibration.hpp"
 #include "worker/types/tracking_segment.hpp"
@@ -24,6 +25,9 @@ std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expecte
 std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expected,
                                       std::size_t num_segments);
 
+// Returns a warning if no sensor measured which way is up.
+std::optional<Finding> vertical_finding(bool vertical_known);
+
 // Returns a warning if a rolling shutter bends the images.
 std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibration);
 
@@ -36,5 +40,10 @@ std::optional<Finding> left_out_finding(const fusion::FusedPixels& pixels,
 
 // Returns an error if a surface without triangles was made.
 std::optional<Finding> surface_finding(std::int64_t num_triangles);
+
+// Returns a warning if the surface lacks much of what the cameras matched. `cut_by_sigma_m2` is
+// what the option max_sigma_m removed.
+std::optional<Finding> incomplete_finding(const std::vector<mesh::ImageCoverage>& images,
+                                          double cut_by_sigma_m2);
 
 }  // namespace divemesh::pipeline

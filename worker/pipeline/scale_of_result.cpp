@@ -110,6 +110,7 @@ void scale_result(double factor, double sigma, Reconstruction& made) {
     apply(*made.scale, made.optimised);
     replace_scale_error(factor, sigma / factor, made.optimised);
     made.optimised.rig.baseline_m *= factor;
+    made.optimised.max_depth_m *= factor;
     made.track.causal =
         markers::WorldScale(factor, made.track.rig.T_imu_cam).applied(made.track.causal);
     made.track.statistics.median_depth_m *= factor;

@@ -185,6 +185,7 @@ void fields(auto& file, Is<types::OptimisedTrack> auto& track) {
     file.list(track.predicted);
     file.list(track.keyframes);
     file.list(track.mapped);
+    file.plain(track.max_depth_m);
     fields(file, track.rig);
     fields(file, track.calibration);
     file.list(track.covariances);
@@ -203,6 +204,8 @@ void fields(auto& file, Is<Surface> auto& surface) {
     file.vector(surface.mesh.num_observations);
     file.vector(surface.mesh.triangles);
     file.optional(surface.simplification);
+    file.plain(surface.small_components_m2);
+    file.plain(surface.cut_by_sigma_m2);
 }
 
 template <typename T>

@@ -6,6 +6,7 @@
 #include "worker/io/mesh_check.hpp"
 #include "worker/reef/measure_labels.hpp"
 #include "worker/reef/measure_outline.hpp"
+#include "worker/reef/unknown_vertical.hpp"
 
 namespace divemesh::reef {
 namespace {
@@ -46,10 +47,7 @@ void check(const types::Mesh& mesh, const AreaSet& set) {
                     "the areas are in the ground truth's frame: give a ground truth");
 }
 
-}  // namespace
-
-json measure_areas(const types::Mesh& mesh, const AreaSet& set, MeasureOptions options) {
-    check(mesh, set);
+json measure_all(const types::Mesh& mesh, const AreaSet& set, MeasureOptions options) {
     AreaTask whole{std::string(kWholeModel), "", "whole"};
     whole.is_whole_model = true;
     const AreaResult all = measure_outline(mesh, whole, plane_of_all(mesh), options);
@@ -73,6 +71,16 @@ json measure_areas(const types::Mesh& mesh, const AreaSet& set, MeasureOptions o
     }
     append(measure_labels(set, ground, options), metrics);
     return {{"areas", areas}, {"figures", metrics}};
+}
+
+}  // namespace
+
+json measure_areas(const types::Mesh& mesh, const AreaSet& set, MeasureOptions options) {
+    check(mesh, set);
+    if (options.vertical_is_known) return measure_all(mesh, set, options);
+    json result = measure_all(mesh, facing_cameras(set, options.camera_positions_world), options);
+    refuse_by_vertical(set, result);
+    return result;
 }
 
 }  // namespace divemesh::reef

@@ -33,6 +33,8 @@ struct MeasureOptions {
     double sigma_relative_error = 0.25;  // relative error of sigma itself, one standard deviation
     double correlation_length_m = 0.0;   // of the noise; 0: of window_px, or two triangle sides
 
+    bool vertical_is_known = true;  // false: refuses what depends on where world z points
+
     int num_replicates = 100;
     std::uint64_t seed = 1;
     int num_threads = 0;  // 0: all cores; never changes a result

@@ -59,6 +59,16 @@ HtmlRows accuracy_rows(const json& metrics) {
     reader.add(rows, "Mesh completeness, median", "/surface/completeness/median_m", "%.1f mm", 1e3);
     reader.add(rows, "F1 at 10 mm", "/surface/scores/1/f1", "%.1f %%", 1e2);
     reader.add(rows, "F1 at 20 mm", "/surface/scores/2/f1", "%.1f %%", 1e2);
+    reader.add(rows,
+               "Reference seen by three pairs, within 20 mm of the mesh",
+               "/surface/share_20mm",
+               "%.1f %%",
+               1e2);
+    reader.add(rows,
+               "Mesh farther than 50 mm from the reference",
+               "/surface/false_share_50mm",
+               "%.1f %%",
+               1e2);
     return rows;
 }
 
@@ -121,8 +131,17 @@ HtmlRows result_rows(const json& metrics) {
     reader.add(rows, "Mesh area", "/mesh/area_m2", "%.2f m²");
     reader.add(rows, "Triangles", "/mesh/num_triangles", "%.0f");
     reader.add(rows, "Error of simplification, max", "/mesh/simplification/max_m", "%.1f mm", 1e3);
+    reader.add(rows, "Keyframe images covered by the mesh", "/mesh/covered_share", "%.0f %%", 1e2);
+    reader.add(rows,
+               "Surface measured by keyframes that is in the mesh",
+               "/mesh/covered_share_of_matched",
+               "%.0f %%",
+               1e2);
     reader.add(rows, "Holes", "/mesh/num_holes", "%.0f");
     reader.add(rows, "Area of the holes", "/mesh/hole_area_m2", "%.3f m²");
+    reader.add(rows, "Largest hole", "/mesh/largest_hole_m2", "%.3f m²");
+    reader.add(rows, "Removed as small parts", "/mesh/small_components_m2", "%.3f m²");
+    reader.add(rows, "Removed by max_sigma_m", "/mesh/cut_by_sigma_m2", "%.3f m²");
     reader.add(rows, "Voxel", "/mesh/voxel_m", "%.1f mm", 1e3);
     reader.add(rows, "Features tracked, mean", "/tracking/mean_tracked_features", "%.0f");
     reader.add(rows, "Inliers", "/tracking/inlier_share", "%.1f %%", 1e2);

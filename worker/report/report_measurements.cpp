@@ -130,6 +130,8 @@ void Measuring::compare_surfaces(const base::ProgressCallback& progress) try {
     for (const types::StampedPose& pose : inputs_.reconstruction.trajectory())
         input.camera_positions_world.emplace_back(
             (T_imu_cam0 ? pose.T_world_imu * *T_imu_cam0 : pose.T_world_imu).translation());
+    if (const auto rig = inputs_.reconstruction.rig())
+        input.pairs = evaluation::pairs_along(inputs_.reconstruction.trajectory(), *rig);
     result_.surface = evaluation::surface_error(mesh, *inputs_.reference, input);
     result_.document["surface"] = evaluation::to_metrics(*result_.surface);
     progress({.stage = "evaluate", .fraction = 0.7});

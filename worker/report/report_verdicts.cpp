@@ -52,6 +52,9 @@ Better better(const std::string& name) {
                        "precision",
                        "recall",
                        "f1",
+                       "covered_share",
+                       "covered_share_of_matched",
+                       "share_20mm",
                        "share_in_95",
                        "share_3_views_or_more",
                        "inlier_share",
@@ -64,6 +67,7 @@ Better better(const std::string& name) {
         return last == "num_samples" ? Better::Neither : Better::Less;
     return contains_any(last,
                         {"error",
+                         "false_share",
                          "ate_",
                          "drift",
                          "rms",

@@ -34,7 +34,9 @@ struct OptimisedTrack {
     Trajectory predicted;   // the other frames, by the motion model: nothing measured their poses
     std::vector<Keyframe> keyframes;
     std::vector<Keyframe> mapped;  // Track::mapped after optimisation
-    RectifiedRig rig;              // with the refined T_imu_cam
+    // Up to which frames may be fused so that the surfaces of segments do not meet; 0: no limit.
+    double max_depth_m = 0.0;
+    RectifiedRig rig;  // with the refined T_imu_cam
     RefinedCalibration calibration;
     CovarianceTrack covariances;  // of `trajectory`; empty: unknown
     OptimiseStatistics statistics;

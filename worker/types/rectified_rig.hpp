@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <algorithm>
 
 namespace divemesh::types {
 
@@ -23,6 +24,12 @@ struct RectifiedRig {
     }
     Eigen::Vector2d pixel(const Eigen::Vector3d& p_cam) const {
         return {focal_px * p_cam.x() / p_cam.z() + cx_px, focal_px * p_cam.y() / p_cam.z() + cy_px};
+    }
+    // Returns how far from the camera a point of the left image at a depth may be: in a corner.
+    double range_m(double depth_m) const {
+        const double u_px = std::max(cx_px + 0.5, width_px - 0.5 - cx_px);
+        const double v_px = std::max(cy_px + 0.5, height_px - 0.5 - cy_px);
+        return depth_m * Eigen::Vector3d(u_px / focal_px, v_px / focal_px, 1.0).norm();
     }
     // Returns true if a point is inside the left image and at least kMinDepth_m away.
     bool is_in_sight(const Eigen::Vector3d& p_cam) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "schemas/error.hpp"
+#include "tests/synthetic/ideal_rig.hpp"
 #include "worker/evaluation/nearest_camera.hpp"
 #include "worker/evaluation/surface_index.hpp"
 #include "worker/evaluation/surface_samples.hpp"
@@ -92,6 +93,33 @@ TEST(SurfaceError, TheReferenceNearACameraIsSummedUpByItself) {
     EXPECT_GT(error.completeness.median_m, 1.0);
 }
 
+// A strip of 1 x 10 m whose first 5 m are true. The camera's range of 4 m ends before.
+TEST(SurfaceError, FalseSurfaceCountsWhateverItsRange) {
+    SurfaceErrorInput input = few_samples();
+    input.camera_positions_world = {{0.0, 0.5, 0.0}};
+    const SurfaceError error = surface_error(plane(0, 100, 10), plane(0, 50, 10), input);
+    EXPECT_EQ(error.scores[3].precision, 1.0);
+    EXPECT_NEAR(error.false_share_50mm, (10.0 - 5.05) / 10.0, 2e-3);
+    input.camera_positions_world.clear();
+    EXPECT_NEAR(surface_error(plane(0, 100, 10), plane(0, 50, 10), input).false_share_50mm,
+                (10.0 - 5.05) / 10.0,
+                2e-3);
+}
+
+// The pairs are 1 m above a bed of 4 x 2 m and look down at it: both images of one show it for
+// 0.62 < x < 1.5 (the right camera is 12 cm to the right). The mesh ends at x = 1.
+TEST(SurfaceError, OfTheReferenceThatThreePairsSawTheShareWithin20mmIsTold) {
+    SurfaceErrorInput input = few_samples();
+    StereoPairs pairs{synthetic::ideal_cameras(synthetic::ideal_rig(500, 1000, 500.0)), {}};
+    pairs.T_world_cam0.assign(3, Eigen::Isometry3d(Eigen::Translation3d(1.0, 1.0, -1.0)));
+    input.pairs = pairs;
+    const types::Mesh bed = plane(0, 40, 20);
+    const SurfaceError error = surface_error(plane(0, 10, 20), bed, input);
+    EXPECT_NEAR(error.share_20mm.value(), (1.02 - 0.62) / (1.5 - 0.62), 0.01);
+    input.pairs->T_world_cam0.pop_back();
+    EXPECT_FALSE(surface_error(plane(0, 10, 20), bed, input).share_20mm) << "two pairs";
+}
+
 TEST(NearestCamera, AgreesWithASearchOverAll) {
     std::vector<Eigen::Vector3f> path;
     for (int i = 0; i < 500; ++i) {
@@ -173,6 +201,7 @@ TEST(SurfaceIndex, NearestPointAgreesWithASearchOverTheTriangle) {
 TEST(SurfaceIndex, ARayStopsAtTheFirstSurface) {
     const types::Mesh mesh = plane(1.5F, 10, 10);
     const SurfaceIndex index(mesh);
+    EXPECT_EQ(index.distance_m({0.5F, 0.5F, 0}, 1.0F), 1.0F) << "no farther than asked for";
     EXPECT_NEAR(index.first_hit_m({0.5F, 0.5F, 0}, Eigen::Vector3f::UnitZ()).value(), 1.5F, 1e-6F);
     EXPECT_FALSE(index.first_hit_m({0.5F, 0.5F, 0}, Eigen::Vector3f::UnitX()).has_value());
 }

@@ -26,7 +26,7 @@ ReconstructionOptions options_with(int num_threads) {
 }
 
 types::Mesh surface_of(const Volume& volume, const ReconstructionOptions& options) {
-    return mesh::extract_surface(volume, options.mesher, options.num_threads);
+    return mesh::extract_surface(volume, options.mesher, options.num_threads).mesh;
 }
 
 std::string bytes_of(const std::filesystem::path& path) {

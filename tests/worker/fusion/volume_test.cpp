@@ -60,7 +60,7 @@ std::string bytes_of(const std::filesystem::path& path) {
 }
 
 types::Mesh surface_of(const Volume& volume, const ReconstructionOptions& options) {
-    return mesh::extract_surface(volume, options.mesher, options.num_threads);
+    return mesh::extract_surface(volume, options.mesher, options.num_threads).mesh;
 }
 
 class BothVolumes : public testing::TestWithParam<std::string> {};
@@ -460,6 +460,20 @@ TEST(ChooseVoxel, IsAboutACentimetreAtTwoMetresForARigOfAHandsBreadth) {
     EXPECT_NEAR(choose_voxel_m(rig, 2.0), 0.009, 0.002);
     EXPECT_LT(choose_voxel_m(rig, 1.0), choose_voxel_m(rig, 2.0));
     EXPECT_GT(choose_max_depth_m(rig, 0.01), 3.0);
+}
+
+// At each level a view makes surface up to two limits: the depth that is chosen for its voxels, and
+// the one at which 0.1 px of disparity are six voxels, which grow by a fifth per level.
+TEST(FarthestSurface, IsBeyondTheLimitsOfEveryLevel) {
+    const types::RectifiedRig rig = synthetic::ideal_rig(640, 480, 495.0);
+    for (const double median_m : {0.3, 1.0, 2.0, 5.0})
+        for (int level = 0; level <= kMaxRelativeLevel; ++level) {
+            const double voxel_m = choose_voxel_m(rig, median_m);
+            const double by_depth_m = choose_max_depth_m(rig, std::ldexp(voxel_m, level));
+            const double by_sigma_m = std::sqrt(6.0 * std::exp2(0.25 * level) * voxel_m *
+                                                rig.focal_px * rig.baseline_m / 0.1);
+            EXPECT_GE(farthest_surface_m(rig, median_m), std::min(by_depth_m, by_sigma_m));
+        }
 }
 
 }  // namespace

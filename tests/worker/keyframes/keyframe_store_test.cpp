@@ -85,6 +85,25 @@ TEST(KeyframeStore, CorrectedItReadsWhatAGlobalShutterSees) {
     EXPECT_THROW(corrected.left_in_color(9), Error);
 }
 
+TEST(KeyframeStore, TheDepthAloneIsReadWithoutTheImage) {
+    const TemporaryFolder folder;
+    const types::RectifiedRig rig = synthetic::ideal_rig(64, 48, 50.0);
+    types::LensChange change;
+    change.values[1] = 1.5;  // of the principal point, px
+    const auto rerectifier = std::make_shared<camera::KeyframeRerectifier>(
+        rig, camera::Rerectifier(synthetic::ideal_cameras(rig), rig, {change, {}}));
+    const KeyframeStore store = KeyframeStore(folder.path(), image_of).rerectified(rerectifier);
+    store.write(7, slope());
+    const KeyframeStore without_images = KeyframeStore(folder.path(), [](int) -> cv::Mat {
+                                             throw Error(ErrorCode::NotFound, "the image was read");
+                                         }).rerectified(rerectifier);
+    const types::DepthMap depth = without_images.read_depth(7);
+    const types::DepthMap whole = store.read(7).depth;
+    EXPECT_EQ(cv::norm(depth.disparity_px, whole.disparity_px, cv::NORM_INF), 0.0);
+    EXPECT_EQ(cv::norm(depth.sigma_disparity_px, whole.sigma_disparity_px, cv::NORM_INF), 0.0);
+    EXPECT_GT(cv::norm(depth.disparity_px, slope().disparity_px, cv::NORM_INF), 0.5);
+}
+
 TEST(KeyframeStore, UnknownDisparityStaysUnknown) {
     const TemporaryFolder folder;
     const KeyframeStore store(folder.path());

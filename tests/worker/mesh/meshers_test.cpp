@@ -55,7 +55,9 @@ TEST_P(BothMeshers, TwoSpheresAreTwoComponents) {
         AnalyticField([=](const Eigen::Vector3d& p) { return std::min(a(p), b(p)); }, kVoxel_m, 3));
     EXPECT_EQ(find_components(surface).area_m2.size(), 2U);
     expect_closed_manifold(surface, 4);
-    EXPECT_EQ(find_components(keep_large_components(surface, 400.0)).area_m2.size(), 1U);
+    const LargeComponents large = keep_large_components(surface, 400.0);
+    EXPECT_EQ(find_components(large.mesh).area_m2.size(), 1U);
+    EXPECT_NEAR(large.removed_m2 / (4.0 * kPi * 0.05 * 0.05), 1.0, 0.03);
 }
 
 TEST_P(BothMeshers, ATorusHasEulerNumberZero) {

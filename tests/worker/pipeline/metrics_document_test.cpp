@@ -88,10 +88,12 @@ MetricsInput dive_with_everything() {
         surface.scores.push_back({threshold, 0.5, 0.5, 0.5});
     surface.relative = evaluation::RelativeDistance{0.001, 0.004};
     surface.near_completeness = evaluation::DistanceSummary{};
+    surface.share_20mm = 0.9;
     input.evaluation.surface = surface;
     input.mesh = MeshMetrics{.num_vertices = 3,
                              .num_triangles = 1,
                              .area_m2 = 0.5,
+                             .coverage = {{1'000, 0.9, 0.8, 0.6}},
                              .simplification = mesh::SimplificationError{9, 0.001, 0.002},
                              .voxels = {0.01, 0.005, 0.02}};
     evaluation::KnownDistanceErrors known;
@@ -248,6 +250,23 @@ TEST(MetricsDocument, ASceneThatIsTooNearTellsHowFarItsImagesWereSearched) {
     EXPECT_FALSE(says("larger num_disparities_px")) << "it is as large as it can be";
     input.reduction = 3;
     EXPECT_TRUE(says("range (128 px)"));
+}
+
+TEST(MetricsDocument, TellsWhetherASensorKnowsTheVertical) {
+    MetricsInput input = plain_dive();
+    EXPECT_EQ(metrics_document(input)["trajectory"]["vertical_known"], true);
+    input.vertical_is_known = false;
+    EXPECT_EQ(metrics_document(input)["trajectory"]["vertical_known"], false);
+    EXPECT_TRUE(is_valid(metrics_document(input)));
+}
+
+TEST(MetricsDocument, CoverageOfTheSurfaceIsOverWhatWasMatched) {
+    MetricsInput input = dive_with_everything();
+    input.mesh->coverage = {{1, 0.9, 0.5, 0.4}, {2, 0.7, 0.3, 0.2}};
+    const json mesh = metrics_document(input)["mesh"];
+    EXPECT_NEAR(mesh["covered_share"].get<double>(), 0.8, 1e-12);
+    EXPECT_NEAR(mesh["covered_share_of_matched"].get<double>(), 0.6 / 0.8, 1e-12);
+    EXPECT_EQ(mesh["covered_images"].size(), 2U);
 }
 
 TEST(MetricsDocument, PeakMemoryCountsWhatWasGivenBack) {

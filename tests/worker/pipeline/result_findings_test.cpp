@@ -32,6 +32,15 @@ TEST(BoundsFindingTest, OnlyOfAConnectedPath) {
     EXPECT_FALSE(bounds_finding(expected, 1));
 }
 
+TEST(VerticalFindingTest, WarnsWhereNoSensorTellsWhichWayIsUp) {
+    EXPECT_FALSE(vertical_finding(true));
+    const auto finding = vertical_finding(false);
+    ASSERT_TRUE(finding);
+    EXPECT_EQ(finding->code, "vertical_unknown");
+    EXPECT_EQ(finding->severity, Severity::Warning);
+    EXPECT_FALSE(finding->remedy.empty());
+}
+
 TEST(ShutterFindingTest, OnlyOfAReadoutTimeThatIsUsed) {
     types::RefinedCalibration calibration;
     calibration.readout_time_s = -0.021;
@@ -78,6 +87,29 @@ TEST(SurfaceFindingTest, AMeshWithoutTrianglesIsAnError) {
     EXPECT_FALSE(surface_finding(1));
     ASSERT_TRUE(surface_finding(0));
     EXPECT_EQ(surface_finding(0)->severity, Severity::Error);
+}
+
+// Half of each image has depth; the mesh has surface at a share of it.
+std::vector<mesh::ImageCoverage> covered(double share) {
+    return std::vector<mesh::ImageCoverage>(20, {0, 0.9, 0.5, 0.5 * share});
+}
+
+TEST(IncompleteFindingTest, ADiveThatLacksAThirdIsNotSilent) {
+    EXPECT_FALSE(incomplete_finding(covered(0.88), 0.0));
+    EXPECT_FALSE(incomplete_finding({}, 0.0));
+    const auto finding = incomplete_finding(covered(0.66), 0.0);
+    ASSERT_TRUE(finding);
+    EXPECT_EQ(finding->code, "surface_incomplete");
+    EXPECT_EQ(finding->severity, Severity::Warning);
+    EXPECT_NE(finding->message.find("only 66 %"), std::string::npos) << finding->message;
+    EXPECT_EQ(finding->remedy.find("max_sigma_m"), std::string::npos) << finding->remedy;
+}
+
+TEST(IncompleteFindingTest, NamesTheOptionThatCutTheSurface) {
+    const auto finding = incomplete_finding(covered(0.5), 3.25);
+    ASSERT_TRUE(finding);
+    EXPECT_NE(finding->message.find("max_sigma_m removed 3.25 m2"), std::string::npos);
+    EXPECT_NE(finding->remedy.find("larger max_sigma_m"), std::string::npos);
 }
 
 }  // namespace

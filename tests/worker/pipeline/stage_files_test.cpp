@@ -78,6 +78,7 @@ TEST(StageFiles, AnOptimisedTrackSurvivesTheDiskWithItsFindings) {
     const TemporaryFolder folder;
     types::OptimisedTrack written;
     written.keyframes.push_back({.frame_index = 2, .timestamp_ns = 1002, .segment = 1});
+    written.max_depth_m = 4.5;
     written.findings = {{Severity::Warning, "loops_not_taken", "frame 3", "message", "remedy"}};
     written.statistics.bundle_adjustment = {.num_solves = 2, .num_failed = 1, .final_cost = 7.5};
     written.statistics.check.after.reprojection_rms_px = 0.3;
@@ -87,6 +88,7 @@ TEST(StageFiles, AnOptimisedTrackSurvivesTheDiskWithItsFindings) {
     ASSERT_TRUE(read);
     ASSERT_EQ(read->keyframes.size(), 1U);
     EXPECT_EQ(read->keyframes[0].segment, 1);
+    EXPECT_EQ(read->max_depth_m, 4.5);
     ASSERT_EQ(read->findings.size(), 1U);
     EXPECT_EQ(read->findings[0].severity, Severity::Warning);
     EXPECT_EQ(read->findings[0].code, "loops_not_taken");
@@ -134,6 +136,8 @@ TEST(StageFiles, AMeshSurvivesTheDisk) {
     mesh.sigma_local_m = {0.0005F, 0.001F, 0.002F};
     mesh.triangles = {{0, 1, 2}};
     surface.simplification = mesh::SimplificationError{7, 0.001, 0.002};
+    surface.small_components_m2 = 0.25;
+    surface.cut_by_sigma_m2 = 1.5;
     save_surface(folder / "mesh.stage", "key", surface);
     const auto read = load_surface(folder / "mesh.stage", "key");
 
@@ -146,6 +150,8 @@ TEST(StageFiles, AMeshSurvivesTheDisk) {
     ASSERT_TRUE(read->simplification);
     EXPECT_EQ(read->simplification->num_triangles_before, 7);
     EXPECT_EQ(read->simplification->max_m, 0.002);
+    EXPECT_EQ(read->small_components_m2, 0.25);
+    EXPECT_EQ(read->cut_by_sigma_m2, 1.5);
 }
 
 }  // namespace

@@ -55,6 +55,19 @@ TEST(Report, MetricsAreShownInUnitsForPeopleAndMissingOnesNotAtAll) {
     EXPECT_EQ(html.find("Mesh accuracy"), std::string::npos);
 }
 
+TEST(Report, WhatIsMissingOfTheSurfaceIsShown) {
+    json document = metrics();
+    document["mesh"] = {{"covered_share", 0.88},
+                        {"covered_share_of_matched", 0.91},
+                        {"num_holes", 7},
+                        {"largest_hole_m2", 0.25},
+                        {"small_components_m2", 0.5},
+                        {"cut_by_sigma_m2", 1.5}};
+    const std::string html = report_html({document, path(), {}, ""});
+    for (const char* value : {"88 %", "91 %", ">7<", "0.250 m²", "0.500 m²", "1.500 m²"})
+        EXPECT_NE(html.find(value), std::string::npos) << value;
+}
+
 TEST(Report, TheVerdictStandsAboveAllElse) {
     json document = metrics();
     EXPECT_EQ(report_html({document, path(), {}, ""}).find("Usable"), std::string::npos);
