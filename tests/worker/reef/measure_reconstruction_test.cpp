@@ -111,11 +111,11 @@ TEST_F(MeasureReconstructionTest, AScaleThatContradictsIsInSizesButRoughensNothi
     mesh = evaluation::with_scale_sigma(std::move(mesh), path(), 0.0, sigma);
     EXPECT_GT(mesh.sigma_m[0], 0.05F);
     io::write_ply(folder_ / "mesh.ply", mesh);
-    write("metrics.json",
-          json{{"calibration",
-                {{"scale_sigma", std::hypot(0.002, sigma)},
-                 {"scale_contradiction", kContradiction}}}}
-              .dump());
+    write(
+        "metrics.json",
+        json{{"calibration",
+              {{"scale_sigma", std::hypot(0.002, sigma)}, {"scale_contradiction", kContradiction}}}}
+            .dump());
     const json measured = measure();
     const json diameter = metric_of(measured, "q", "longest_diameter");
     const double value_m = diameter["value"].get<double>();
