@@ -29,6 +29,8 @@ LoadedImage load_image(const DiveFiles& files,
                        const DiveLimits& limits,
                        Channels channels);
 
+enum class Eyes { Left, Both };
+
 // A stereo pair in grey, as far as it could be loaded.
 struct LoadedPair {
     int index = 0;

@@ -52,7 +52,7 @@ public:
     FindingLog& log() { return findings_; }
 
 private:
-    LoadedPair load(int index) const;
+    LoadedPair load(int index, Eyes eyes = Eyes::Both) const;
     void report_other_dives();
     void pair_images();
     void check_reference_mesh();
