@@ -8,6 +8,7 @@
 #include "worker/stereo/block_matcher.hpp"
 #include "worker/stereo/census_sgm.hpp"
 #include "worker/stereo/combine_scales.hpp"
+#include "worker/stereo/disparity_doubt.hpp"
 #include "worker/stereo/refine_disparity.hpp"
 #include "worker/stereo/search_tiles.hpp"
 #include "worker/stereo/speckles.hpp"
@@ -184,6 +185,14 @@ void combine_scales(benchmark::State& state) {
     });
 }
 
+void add_doubt(benchmark::State& state) {
+    const cv::Mat winners = stereo::CensusSgm(128).compute(slanted_bed().left, slanted_bed().right);
+    cv::Mat sigma(winners.size(), CV_32F, cv::Scalar(0.2));
+    measure(state, "px", kNumPixels, [&] {
+        stereo::add_doubt(winners, sigma, static_cast<Instructions>(state.range(0)));
+    });
+}
+
 // The instruction sets that this machine runs and loops are compiled for.
 void every_loop(benchmark::internal::Benchmark* benchmark) {
     benchmark->Arg(static_cast<int>(Instructions::Baseline));
@@ -202,6 +211,7 @@ BENCHMARK(block_matcher)->Apply(every_set);
 BENCHMARK(opencv_speckles)->Unit(benchmark::kMillisecond);
 BENCHMARK(speckles)->Unit(benchmark::kMillisecond);
 BENCHMARK(combine_scales)->Apply(every_loop);
+BENCHMARK(add_doubt)->Apply(every_loop);
 
 }  // namespace
 }  // namespace divemesh::bench
