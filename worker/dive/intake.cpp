@@ -33,7 +33,7 @@ void survey_images(StoredDive& dive, IntakeReport& report, const base::ProgressC
     }
     survey.report(dive.rig().cam0.width_px > 0 ? dive.num_frames() : 0, dive.log());
     if (const auto middle = survey.middle_frame())
-        report.thumbnail_jpeg = thumbnail_jpeg(dive.left_in_color(*middle));
+        report.thumbnail_jpeg = thumbnail_jpeg(dive.left_in_color(*middle, 1));
     if (dive.num_skipped_frames() > 0)
         dive.log().warning("frames_skipped",
                            "",

@@ -214,9 +214,10 @@ types::StereoFrame StoredDive::frame_of(LoadedPair pair) const {
     return frame;
 }
 
-cv::Mat StoredDive::left_in_color(int frame_index) const {
+cv::Mat StoredDive::left_in_color(int frame_index, int reduction) const {
     const std::string& file = contents_.frames.pairs[static_cast<std::size_t>(frame_index)].left;
-    LoadedImage loaded = load_image(files_, file, contents_.rig.cam0, limits_, Channels::Bgr);
+    LoadedImage loaded =
+        load_image(files_, file, contents_.rig.cam0, limits_, Channels::Bgr, reduction);
     if (loaded.image.empty())
         throw Error(
             ErrorCode::Unavailable,

@@ -48,7 +48,7 @@ keyframes::KeyframeStore::LeftInColor rectified_left_images(const types::Recordi
     };
     return [&dive, made = std::make_shared<Made>()](int frame_index) {
         std::call_once(made->once, [&] { made->rectifier = camera::left_rectifier(dive); });
-        return made->rectifier->rectify(dive.left_in_color(frame_index));
+        return made->rectifier->rectify(dive.left_in_color(frame_index, 1));
     };
 }
 
