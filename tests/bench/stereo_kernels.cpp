@@ -7,6 +7,8 @@
 #include "tests/bench/measured.hpp"
 #include "worker/stereo/block_matcher.hpp"
 #include "worker/stereo/census_sgm.hpp"
+#include "worker/stereo/combine_scales.hpp"
+#include "worker/stereo/disparity_doubt.hpp"
 #include "worker/stereo/refine_disparity.hpp"
 #include "worker/stereo/search_tiles.hpp"
 #include "worker/stereo/speckles.hpp"
@@ -97,6 +99,13 @@ ImagePair large_bed() {
     return pair;
 }
 
+ImagePair halved(const ImagePair& pair) {
+    ImagePair half;
+    cv::resize(pair.left, half.left, {}, 0.5, 0.5, cv::INTER_AREA);
+    cv::resize(pair.right, half.right, {}, 0.5, 0.5, cv::INTER_AREA);
+    return half;
+}
+
 void large_whole(benchmark::State& state) {
     const ImagePair pair = large_bed();
     stereo::CensusSgm matcher(kLargeRange_px);
@@ -110,9 +119,7 @@ void large_by_tiles(benchmark::State& state) {
     stereo::CensusSgm matcher(kLargeRange_px);
     stereo::CensusSgm half_matcher(kLargeRange_px / 2);
     measure(state, "px", 9.0 * kNumPixels, [&] {
-        ImagePair half;
-        cv::resize(pair.left, half.left, {}, 0.5, 0.5, cv::INTER_AREA);
-        cv::resize(pair.right, half.right, {}, 0.5, 0.5, cv::INTER_AREA);
+        const ImagePair half = halved(pair);
         cv::Mat seen = cv::max(half_matcher.compute(half.left, half.right), 0.0);
         stereo::remove_speckles(seen, 120, 1.5F);
         benchmark::DoNotOptimize(
@@ -160,6 +167,40 @@ void opencv_speckles(benchmark::State& state) {
     });
 }
 
+types::DepthMap refined_depth(const ImagePair& pair, int num_disparities) {
+    types::DepthMap depth;
+    depth.disparity_px = stereo::CensusSgm(num_disparities).compute(pair.left, pair.right);
+    depth.sigma_disparity_px =
+        stereo::DisparityRefiner().refine(pair.left, pair.right, depth.disparity_px);
+    return depth;
+}
+
+void combine_scales(benchmark::State& state) {
+    const types::DepthMap half = refined_depth(halved(slanted_bed()), 64);
+    const types::DepthMap full = refined_depth(slanted_bed(), 128);
+    measure(state, "px", kNumPixels, [&] {
+        types::DepthMap depth{full.disparity_px.clone(), full.sigma_disparity_px.clone()};
+        stereo::combine_scales(half, depth, static_cast<Instructions>(state.range(0)));
+        benchmark::DoNotOptimize(depth);
+    });
+}
+
+void add_doubt(benchmark::State& state) {
+    const cv::Mat winners = stereo::CensusSgm(128).compute(slanted_bed().left, slanted_bed().right);
+    cv::Mat sigma(winners.size(), CV_32F, cv::Scalar(0.2));
+    measure(state, "px", kNumPixels, [&] {
+        stereo::add_doubt(winners, sigma, static_cast<Instructions>(state.range(0)));
+    });
+}
+
+// The instruction sets that this machine runs and loops are compiled for.
+void every_loop(benchmark::internal::Benchmark* benchmark) {
+    benchmark->Arg(static_cast<int>(Instructions::Baseline));
+    if (best_instructions() != Instructions::Baseline)
+        benchmark->Arg(static_cast<int>(Instructions::Avx2));
+    benchmark->ArgNames({"set"})->Unit(benchmark::kMillisecond);
+}
+
 BENCHMARK(opencv_3way)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK(census_sgm)->Apply(every_set);
 BENCHMARK(census_sgm_refined)->Apply(every_set);
@@ -169,6 +210,8 @@ BENCHMARK(opencv_block)->Arg(64)->Arg(128)->Unit(benchmark::kMillisecond);
 BENCHMARK(block_matcher)->Apply(every_set);
 BENCHMARK(opencv_speckles)->Unit(benchmark::kMillisecond);
 BENCHMARK(speckles)->Unit(benchmark::kMillisecond);
+BENCHMARK(combine_scales)->Apply(every_loop);
+BENCHMARK(add_doubt)->Apply(every_loop);
 
 }  // namespace
 }  // namespace divemesh::bench

@@ -30,8 +30,8 @@ public:
         if (frame) alter_(*frame);
         return frame;
     }
-    cv::Mat left_in_color(int frame_index) const override {
-        return recording_.left_in_color(frame_index);
+    cv::Mat left_in_color(int frame_index, int reduction) const override {
+        return recording_.left_in_color(frame_index, reduction);
     }
     void rewind() override { recording_.rewind(); }
     std::int64_t num_skipped_frames() const override { return recording_.num_skipped_frames(); }

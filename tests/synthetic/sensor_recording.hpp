@@ -23,7 +23,7 @@ struct SensorRecording : types::Recording {
     const cv::Mat& fixed_pattern() const override { return its_fixed_pattern; }
     std::optional<types::StereoFrame> next_frame() override { return std::nullopt; }
     std::optional<types::StereoFrame> frame(int) const override { return std::nullopt; }
-    cv::Mat left_in_color(int) const override { return {}; }
+    cv::Mat left_in_color(int, int) const override { return {}; }
     void rewind() override {}
     std::int64_t num_skipped_frames() const override { return 0; }
 };

@@ -46,6 +46,18 @@ std::array<RectifiedLens, 2> rectified_lenses(const types::Rig& rig) {
              {rig.cam1, T_cam0_cam1.linear().transpose() * R_cam0_rectified}}};
 }
 
+types::Camera reduced_camera(const types::Camera& camera, int reduction) {
+    types::Camera result = camera;
+    result.width_px /= reduction;
+    result.height_px /= reduction;
+    result.fx_px /= reduction;
+    result.fy_px /= reduction;
+    // Pixel centres are whole numbers in both sizes.
+    result.cx_px = (camera.cx_px + 0.5) / reduction - 0.5;
+    result.cy_px = (camera.cy_px + 0.5) / reduction - 0.5;
+    return result;
+}
+
 types::Camera changed_camera(const types::Camera& camera, const types::LensChange& change) {
     types::Camera result = camera;
     result.fx_px *= 1.0 + change.values[0];

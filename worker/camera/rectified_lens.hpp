@@ -26,6 +26,9 @@ struct RectifiedLens {
 // the row axis is laid along the baseline (Bouguet).
 std::array<RectifiedLens, 2> rectified_lenses(const types::Rig& rig);  // left, right
 
+// Returns the camera of images at 1 / `reduction` of their size, squares of pixels averaged.
+types::Camera reduced_camera(const types::Camera& camera, int reduction);
+
 // Returns the camera with `change` added to its calibration.
 types::Camera changed_camera(const types::Camera& camera, const types::LensChange& change);
 

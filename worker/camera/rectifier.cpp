@@ -69,26 +69,6 @@ cv::Rect scene_part(const types::Camera& camera, const cv::Mat& fixed_pattern) {
     return part.width > kMinScene_px && part.height > kMinScene_px ? part : all;
 }
 
-// Fills the maps with the recorded pixel of every rectified pixel.
-void make_map(const RectifiedLens& lens, const types::RectifiedRig& rig, cv::Mat (&map)[2]) {
-    cv::Mat x(rig.height_px, rig.width_px, CV_32F);
-    cv::Mat y(rig.height_px, rig.width_px, CV_32F);
-    for (int v = 0; v < rig.height_px; ++v) {
-        for (int u = 0; u < rig.width_px; ++u) {
-            const Eigen::Vector2d pixel = lens.recorded_px(rig, Eigen::Vector2d(u, v));
-            x.at<float>(v, u) = static_cast<float>(pixel.x());
-            y.at<float>(v, u) = static_cast<float>(pixel.y());
-        }
-    }
-    cv::convertMaps(x, y, map[0], map[1], CV_16SC2);
-}
-
-cv::Mat remapped(const cv::Mat& image, const cv::Mat (&map)[2]) {
-    cv::Mat result;
-    cv::remap(image, result, map[0], map[1], cv::INTER_LINEAR);
-    return result;
-}
-
 }  // namespace
 
 types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pattern) {
@@ -135,32 +115,27 @@ types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pa
     return rectified;
 }
 
+ImageRectifier left_rectifier(const types::Recording& recording) {
+    return {rectified_lenses(recording.rig())[0],
+            rectified_rig(recording.rig(), recording.fixed_pattern())};
+}
+
 Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern)
-    : rig_(rectified_rig(rig, fixed_pattern)) {
-    const auto [left, right] = rectified_lenses(rig);
-    make_map(left, rig_, left_map_);
-    make_map(right, rig_, right_map_);
-    if (!fixed_pattern.empty())
-        cv::remap(fixed_pattern,
-                  fixed_pattern_,
-                  left_map_[0],
-                  left_map_[1],
-                  cv::INTER_NEAREST,
-                  cv::BORDER_CONSTANT,
-                  cv::Scalar(255));  // beyond the recorded image
+    : rig_(rectified_rig(rig, fixed_pattern)),
+      left_(rectified_lenses(rig)[0], rig_),
+      right_(rectified_lenses(rig)[1], rig_) {
+    if (!fixed_pattern.empty()) fixed_pattern_ = left_.rectify_mask(fixed_pattern);
 }
 
 types::RectifiedFrame Rectifier::rectify(const types::StereoFrame& frame) const {
     types::RectifiedFrame result;
     result.index = frame.index;
     result.timestamp_ns = frame.timestamp_ns;
-    result.left = rectify_left(frame.left);
-    result.right = remapped(frame.right, right_map_);
+    result.left = left_.rectify(frame.left);
+    result.right = right_.rectify(frame.right);
     result.fixed_pattern = fixed_pattern_;
     result.right_delay_s = frame.right_delay_s;
     return result;
 }
-
-cv::Mat Rectifier::rectify_left(const cv::Mat& image) const { return remapped(image, left_map_); }
 
 }  // namespace divemesh::camera

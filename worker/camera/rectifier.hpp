@@ -2,6 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
+#include "worker/camera/image_rectifier.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rectified_rig.hpp"
@@ -13,6 +14,10 @@ namespace divemesh::camera {
 // the fixed pattern. Throws Error{BadData} if the right camera is not on the right, or the fields
 // of view hardly overlap.
 types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pattern = {});
+
+// Returns what rectifies the left images of a recording alone, as Rectifier does, in half the time.
+// Throws as rectified_rig does.
+ImageRectifier left_rectifier(const types::Recording& recording);
 
 // The rectification of a pair: undistorts both images and rotates them into one plane (Bouguet's
 // method, as OpenCV's stereoRectify). The constructor throws as rectified_rig does. Each frame gets
@@ -27,12 +32,12 @@ public:
     const types::RectifiedRig& rig() const { return rig_; }
     types::RectifiedFrame rectify(const types::StereoFrame& frame) const;
     // Returns the rectified left image; any number of channels.
-    cv::Mat rectify_left(const cv::Mat& image) const;
+    cv::Mat rectify_left(const cv::Mat& image) const { return left_.rectify(image); }
 
 private:
     types::RectifiedRig rig_;
-    cv::Mat left_map_[2];
-    cv::Mat right_map_[2];
+    ImageRectifier left_;
+    ImageRectifier right_;
     cv::Mat fixed_pattern_;
 };
 

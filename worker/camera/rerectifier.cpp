@@ -4,6 +4,7 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/base/parallel.hpp"
 #include "worker/camera/disparity_at.hpp"
 
 namespace divemesh::camera {
@@ -52,7 +53,8 @@ KeyframeRerectifier::KeyframeRerectifier(const types::RectifiedRig& rectified,
       source_y_(rectified.height_px, rectified.width_px, CV_32F),
       nearest_(rectified.height_px, rectified.width_px, CV_32S),
       shift_right_(rectified.height_px, rectified.width_px, CV_32F) {
-    for (int v = 0; v < rectified.height_px; ++v) {
+    base::for_each_index(0, static_cast<std::size_t>(rectified.height_px), [&](std::size_t index) {
+        const int v = static_cast<int>(index);
         for (int u = 0; u < rectified.width_px; ++u) {
             const Eigen::Vector2d pixel(u, v);
             const Eigen::Vector2d source = rerectifier.back(0, pixel);
@@ -66,7 +68,7 @@ KeyframeRerectifier::KeyframeRerectifier(const types::RectifiedRig& rectified,
             shift_right_.at<float>(v, u) =
                 static_cast<float>(rerectifier.forward(1, pixel).x() - pixel.x());
         }
-    }
+    });
 }
 
 types::KeyframeImages KeyframeRerectifier::moved(const types::KeyframeImages& images) const {

@@ -30,7 +30,8 @@ private:
     std::array<RectifiedLens, 2> refined_;
 };
 
-// The same mapping for whole keyframes. Thread-safe after construction.
+// The same mapping for whole keyframes. The constructor computes it on all cores. Thread-safe after
+// construction.
 class KeyframeRerectifier {
 public:
     KeyframeRerectifier(const types::RectifiedRig& rectified, const Rerectifier& rerectifier);

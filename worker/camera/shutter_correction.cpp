@@ -6,6 +6,7 @@
 #include <opencv2/imgproc.hpp>
 #include <utility>
 
+#include "worker/base/parallel.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/camera/disparity_at.hpp"
 
@@ -38,10 +39,12 @@ ShutterCorrection::ShutterCorrection(const types::RectifiedRig& rig,
       readout_time_s_(readout_time_s),
       motions_(std::move(motions)),
       late_s_(rig.height_px, rig.width_px, CV_32F) {
-    for (int v = 0; v < rig.height_px; ++v)
+    base::for_each_index(0, static_cast<std::size_t>(rig.height_px), [&](std::size_t row) {
+        const int v = static_cast<int>(row);
         for (int u = 0; u < rig.width_px; ++u)
             late_s_.at<float>(v, u) =
                 static_cast<float>(readout_time_s * shutter_.row_share(Eigen::Vector2d(u, v)));
+    });
 }
 
 Eigen::Isometry3d ShutterCorrection::motion_until_row(int frame_index,

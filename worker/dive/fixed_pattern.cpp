@@ -93,8 +93,8 @@ void FixedPattern::add(const cv::Mat& image) {
     }
     const double reduction = std::min(1.0, static_cast<double>(kSmallWidth_px) / image.cols);
     cv::resize(values, small_.emplace_back(), {}, reduction, reduction, cv::INTER_AREA);
-    sum_ += values;
-    sum_of_squares_ += values.mul(values);
+    cv::accumulate(image, sum_);
+    cv::accumulateSquare(image, sum_of_squares_);
 }
 
 bool FixedPattern::most_edges_stay() const {

@@ -24,7 +24,8 @@ LoadedImage load_image(const DiveFiles& files,
                        const std::string& path,
                        const types::Camera& camera,
                        const DiveLimits& limits,
-                       Channels channels) {
+                       Channels channels,
+                       int reduction) {
     if (!files.has(path)) return without_image("image_missing", "the file is missing");
     const auto bytes = files.read(path, kMaxImageFileBytes);
     if (!bytes) return without_image("image_too_large", "it is larger than 64 MiB");
@@ -40,7 +41,7 @@ LoadedImage load_image(const DiveFiles& files,
                                      " pixels, but its calibration has " +
                                      size_text(camera.width_px, camera.height_px));
         LoadedImage loaded;
-        loaded.image = decode_image(*bytes, header, channels);
+        loaded.image = decode_image(*bytes, header, channels, reduction);
         loaded.was_16_bit = header.bits_per_channel > 8;
         return loaded;
     } catch (const Error& error) {

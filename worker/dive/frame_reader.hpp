@@ -22,12 +22,15 @@ struct LoadedImage {
     bool was_16_bit = false;
 };
 
-// Loads an image of the camera's size; a failure is returned, not thrown.
+// Loads an image of the camera's size, at 1 / `reduction` of it; a failure is returned, not thrown.
 LoadedImage load_image(const DiveFiles& files,
                        const std::string& path,
                        const types::Camera& camera,
                        const DiveLimits& limits,
-                       Channels channels);
+                       Channels channels,
+                       int reduction = 1);
+
+enum class Eyes { Left, Both };
 
 // A stereo pair in grey, as far as it could be loaded.
 struct LoadedPair {

@@ -1,6 +1,7 @@
 #include "worker/dive/image.hpp"
 
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
 #include "worker/dive/big_endian.hpp"
@@ -104,6 +105,29 @@ ImageHeader read_jpeg_header(std::string_view bytes) {
     fail("the JPEG ends in its header");
 }
 
+// Returns the image, a JPEG at 1 / reduction of its size; empty if it cannot be decoded.
+cv::Mat decoded(std::string_view bytes, ImageFormat format, Channels channels, int reduction) {
+    const bool is_grey = channels == Channels::Grey;
+    if (format == ImageFormat::Png)
+        if (const auto plain = decode_grey_png(bytes)) {
+            cv::Mat image = *plain;
+            if (!is_grey) cv::cvtColor(image, image, cv::COLOR_GRAY2BGR);
+            return image;
+        }
+    static_assert(cv::IMREAD_REDUCED_GRAYSCALE_2 == 8 * 2 &&
+                  cv::IMREAD_REDUCED_GRAYSCALE_8 == 8 * 8);
+    const int mode = (is_grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR) |
+                     cv::IMREAD_IGNORE_ORIENTATION |
+                     (format == ImageFormat::Jpeg && reduction > 1 ? 8 * reduction : 0);
+    const cv::Mat buffer(
+        1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
+    try {
+        return cv::imdecode(buffer, mode);
+    } catch (const cv::Exception&) {
+        return {};
+    }
+}
+
 }  // namespace
 
 ImageHeader read_image_header(std::string_view bytes) {
@@ -121,21 +145,25 @@ ImageHeader read_image_header(std::string_view bytes) {
     return header;
 }
 
-cv::Mat decode_image(std::string_view bytes, const ImageHeader& header, Channels channels) {
-    if (channels == Channels::Grey && header.format == ImageFormat::Png)
-        if (const auto plain = decode_grey_png(bytes)) return *plain;
-    const cv::Mat buffer(
-        1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data()));
-    const int mode = channels == Channels::Grey ? cv::IMREAD_GRAYSCALE : cv::IMREAD_COLOR;
-    cv::Mat image;
-    try {
-        image = cv::imdecode(buffer, mode | cv::IMREAD_IGNORE_ORIENTATION);
-    } catch (const cv::Exception&) {
-        image.release();
+cv::Mat decode_image(std::string_view bytes,
+                     const ImageHeader& header,
+                     Channels channels,
+                     int reduction) {
+    const cv::Size whole(static_cast<int>(header.width_px), static_cast<int>(header.height_px));
+    const cv::Size size(whole.width / reduction, whole.height / reduction);
+    cv::Mat image = decoded(bytes, header.format, channels, reduction);
+    if (image.size() == size) return image;
+    if (image.size() == whole) {
+        const cv::Rect squares(0, 0, size.width * reduction, size.height * reduction);
+        cv::Mat reduced;
+        cv::resize(image(squares), reduced, size, 0.0, 0.0, cv::INTER_AREA);
+        return reduced;
     }
-    if (image.empty() || image.cols != header.width_px || image.rows != header.height_px)
-        fail("its data is damaged or incomplete");
-    return image;
+    // libjpeg rounds the size up.
+    const bool is_rounded_up = image.cols == (whole.width + reduction - 1) / reduction &&
+                               image.rows == (whole.height + reduction - 1) / reduction;
+    if (!is_rounded_up) fail("its data is damaged or incomplete");
+    return image(cv::Rect({}, size));
 }
 
 }  // namespace divemesh::dive

@@ -23,8 +23,12 @@ ImageHeader read_image_header(std::string_view bytes);
 
 enum class Channels { Grey, Bgr };
 
-// Returns the image with 8 bits per channel; 16 bits are reduced to the upper 8. The caller must
-// have checked the size in the header. Throws Error{BadData} if decoding fails.
-cv::Mat decode_image(std::string_view bytes, const ImageHeader& header, Channels channels);
+// Returns the image with 8 bits per channel; 16 bits are reduced to the upper 8. With a `reduction`
+// of 2, 4 or 8 it has that part of its size, rounded down; a JPEG is decoded at that size. The
+// caller must have checked the size in the header. Throws Error{BadData} if decoding fails.
+cv::Mat decode_image(std::string_view bytes,
+                     const ImageHeader& header,
+                     Channels channels,
+                     int reduction = 1);
 
 }  // namespace divemesh::dive

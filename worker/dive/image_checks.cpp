@@ -14,6 +14,7 @@ namespace divemesh::dive {
 namespace {
 
 constexpr int kNumChecked = 16;
+constexpr int kNumPrefetched = 3;  // pairs
 constexpr std::size_t kMinChecked = 3;
 // Thresholds, with what healthy and spoilt recordings have, real ones among them.
 constexpr double kMinSharpness = 0.75;  // right over left; healthy 0.91 to 1.05, spoilt 0.3 to 0.42
@@ -42,26 +43,28 @@ cv::Mat halved(const cv::Mat& image) {
 Measured measure(int num_frames, const std::function<LoadedPair(int index)>& load) {
     Measured measured;
     const int num_checked = std::min(kNumChecked, num_frames);
-    for (int k = 0; k < num_checked; ++k) {
-        const LoadedPair pair = load((2 * k + 1) * num_frames / (2 * num_checked));
-        if (!pair.is_complete()) continue;
-        const cv::Mat& left = pair.left.image;
+    FrameReader reader(num_checked, kNumPrefetched, [&](int k) {
+        return load((2 * k + 1) * num_frames / (2 * num_checked));
+    });
+    while (const auto pair = reader.next()) {
+        if (!pair->is_complete()) continue;
+        const cv::Mat& left = pair->left.image;
         ++measured.num_frames;
         measured.pattern.add(left);
         measured.combing.push_back(combing(left));
         measured.mosaic.push_back(mosaic_contrast(left));
         // The pattern of a mosaic would pass for noise and for sharp detail.
         const bool is_mosaic = measured.mosaic.back() > kMaxMosaic;
-        const cv::Mat scene = is_mosaic ? halved(left) : left;
+        const cv::Mat scene = reduced(is_mosaic ? halved(left) : left);
         if (!has_texture(scene)) {
-            measured.without_texture.push_back(pair.index);
+            measured.without_texture.push_back(pair->index);
             continue;
         }
         const double reference = sharpness(scene);
-        const cv::Mat& right = pair.right.image;
+        const cv::Mat right = reduced(pair->right.image);
         if (reference > 0.0 && !is_dark(right))
-            measured.sharpness_ratio.push_back(sharpness(is_mosaic ? halved(right) : right) /
-                                               reference);
+            measured.sharpness_ratio.push_back(
+                sharpness(is_mosaic ? halved(pair->right.image) : right) / reference);
     }
     return measured;
 }

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <vector>
@@ -21,13 +24,12 @@ constexpr double kMinContrast = 0.4;     // grey values; corners with less are l
 constexpr double kNoiseGain = 0.126;     // of white noise through the band of has_texture()
 constexpr double kTextureOverNoise = 2.0;
 
-cv::Mat reduced(const cv::Mat& image) {
-    cv::Mat result;
-    image.convertTo(result, CV_32F);
-    if (image.cols <= kWidth_px) return result;
-    const double scale = static_cast<double>(kWidth_px) / image.cols;
-    cv::resize(result, result, {}, scale, scale, cv::INTER_AREA);
-    return result;
+// Returns the middle of an image, at most kWidth_px wide and high: enough for what is the same all
+// over it.
+cv::Mat middle(const cv::Mat& image) {
+    const int width = std::min(image.cols, kWidth_px);
+    const int height = std::min(image.rows, kWidth_px);
+    return image(cv::Rect((image.cols - width) / 2, (image.rows - height) / 2, width, height));
 }
 
 // Returns details of a size: the difference of two Gaussians, of sigma and twice that.
@@ -46,13 +48,24 @@ double deviation(const cv::Mat& image) {
     return deviation[0];
 }
 
-// Returns the mean of |2 I(y) - I(y - step) - I(y + step)|.
-double line_contrast(const cv::Mat& image, int step) {
-    const int rows = image.rows - 4;
-    cv::Mat difference = 2.0 * image.rowRange(2, 2 + rows) -
-                         image.rowRange(2 - step, 2 - step + rows) -
-                         image.rowRange(2 + step, 2 + step + rows);
-    return cv::mean(cv::abs(difference))[0];
+// Returns the mean of |2 I(p) - I(p - step) - I(p + step)| over the pixels p that are two or more
+// from the borders along the step, which is of one or two pixels right or down.
+double mean_step(const cv::Mat& image, cv::Point step) {
+    constexpr int kRim_px = 2;
+    const int left = step.x > 0 ? kRim_px : 0;
+    const int top = step.y > 0 ? kRim_px : 0;
+    const int width = image.cols - 2 * left;
+    const int height = image.rows - 2 * top;
+    const std::ptrdiff_t apart = static_cast<std::ptrdiff_t>(image.step[0]) * step.y + step.x;
+    std::int64_t sum = 0;
+    for (int v = top; v < top + height; ++v) {
+        const auto* row = image.ptr<unsigned char>(v) + left;
+        std::int32_t sum_of_row = 0;
+        for (std::ptrdiff_t u = 0; u < width; ++u)
+            sum_of_row += std::abs(2 * row[u] - row[u - apart] - row[u + apart]);
+        sum += sum_of_row;
+    }
+    return static_cast<double>(sum) / (1.0 * width * height);
 }
 
 std::size_t num_cells(const cv::Mat& image) {
@@ -93,6 +106,15 @@ double noise_level(const cv::Mat& image, const std::vector<cv::Rect>& cells) {
 
 }  // namespace
 
+cv::Mat reduced(const cv::Mat& image) {
+    cv::Mat result;
+    image.convertTo(result, CV_32F);
+    if (image.cols <= kWidth_px) return result;
+    const double scale = static_cast<double>(kWidth_px) / image.cols;
+    cv::resize(result, result, {}, scale, scale, cv::INTER_AREA);
+    return result;
+}
+
 double sharpness(const cv::Mat& image) {
     const cv::Mat fine = reduced(image);
     cv::Mat coarse;
@@ -103,26 +125,24 @@ double sharpness(const cv::Mat& image) {
 
 double combing(const cv::Mat& image) {
     if (image.rows < 16 || image.cols < 16) return 1.0;
-    cv::Mat lines;
-    image.convertTo(lines, CV_32F);
-    const cv::Mat columns = lines.t();
-    const double across_lines = line_contrast(lines, 1) / std::max(1e-6, line_contrast(lines, 2));
-    const double across_columns =
-        line_contrast(columns, 1) / std::max(1e-6, line_contrast(columns, 2));
+    const cv::Mat part = middle(image);
+    const double across_lines = mean_step(part, {0, 1}) / std::max(1e-6, mean_step(part, {0, 2}));
+    const double across_columns = mean_step(part, {1, 0}) / std::max(1e-6, mean_step(part, {2, 0}));
     return across_columns > 0.0 ? across_lines / across_columns : 1.0;
 }
 
 double mosaic_contrast(const cv::Mat& image) {
-    const double mean = cv::mean(image)[0];
+    const cv::Mat part = middle(image);
+    const double mean = cv::mean(part)[0];
     if (mean < 1.0) return 0.0;
     std::vector<double> diagonal;
     std::vector<double> by_row;
     std::vector<double> by_column;
-    for (int y = 0; y + kMosaicBlock_px <= image.rows; y += kMosaicBlock_px)
-        for (int x = 0; x + kMosaicBlock_px <= image.cols; x += kMosaicBlock_px) {
+    for (int y = 0; y + kMosaicBlock_px <= part.rows; y += kMosaicBlock_px)
+        for (int x = 0; x + kMosaicBlock_px <= part.cols; x += kMosaicBlock_px) {
             double sum[2][2] = {{0, 0}, {0, 0}};
             for (int v = 0; v < kMosaicBlock_px; ++v) {
-                const unsigned char* row = image.ptr<unsigned char>(y + v) + x;
+                const unsigned char* row = part.ptr<unsigned char>(y + v) + x;
                 for (int u = 0; u < kMosaicBlock_px; ++u) sum[v % 2][u % 2] += row[u];
             }
             diagonal.push_back(sum[0][0] + sum[1][1] - sum[0][1] - sum[1][0]);

@@ -24,7 +24,7 @@ void report_images(StoredDive& dive, IntakeReport& report, const base::ProgressC
     const ImageSurvey survey = survey_images(dive, progress);
     survey.report(dive.rig().cam0.width_px > 0 ? dive.num_frames() : 0, dive.log());
     if (const auto middle = survey.middle_frame())
-        report.thumbnail_jpeg = thumbnail_jpeg(dive.left_in_color(*middle));
+        report.thumbnail_jpeg = thumbnail_jpeg(dive.left_in_color(*middle, 1));
     if (dive.num_skipped_frames() > 0)
         dive.log().warning("frames_skipped",
                            "",

@@ -4,8 +4,10 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
+#include <optional>
 
 #include "worker/base/angle.hpp"
+#include "worker/base/parallel.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/dive/mounting_check.hpp"
@@ -18,6 +20,11 @@ namespace divemesh::dive {
 namespace {
 
 constexpr int kNumMoments = 12;
+constexpr std::size_t kMomentsAtOnce = 2;  // each holds three images and their pyramids
+constexpr int kMaxWidth_px = 960;          // of the images that are compared
+constexpr double kMaxEpipolarError_px = 3.0;
+constexpr double kMaxReprojectionError_px = 2.0;
+constexpr double kMaxSwappedError_px = 0.5;  // beyond that of the images as they are
 constexpr double kMaxInterval_s = 0.5;
 constexpr double kMinRotation_rad = 3.0 * base::kRadPerDeg;
 constexpr int kMinPoints = 25;
@@ -120,17 +127,49 @@ types::Rig swapped(const types::Rig& rig) {
     return result;
 }
 
+// Returns by what whole number images of a width are reduced.
+int reduction_of(int width_px) { return std::max(1, (width_px + kMaxWidth_px - 1) / kMaxWidth_px); }
+
+// Averages squares of pixels; what is left over at the right and at the bottom is cut off.
+cv::Mat reduced(const cv::Mat& image, int reduction) {
+    if (reduction == 1 || image.empty()) return image;
+    const cv::Size size(image.cols / reduction, image.rows / reduction);
+    const cv::Rect whole(0, 0, size.width * reduction, size.height * reduction);
+    cv::Mat result;
+    cv::resize(image(whole), result, size, 0.0, 0.0, cv::INTER_AREA);
+    return result;
+}
+
+// What the images of a moment show.
+struct Seen {
+    MountingCheck mounting;
+    std::vector<StereoPoint> stereo;
+    std::vector<StereoPoint> stereo_swapped;  // with the images of the cameras swapped
+    std::optional<RotationPair> rotation;
+};
+
 class MotionCheck {
 public:
     MotionCheck(const DiveContents& contents,
-                const std::function<LoadedPair(int index)>& load,
+                const std::function<LoadedPair(int index, Eyes eyes)>& load,
                 FindingLog& findings)
-        : contents_(contents), load_(load), findings_(findings) {}
+        : contents_(contents),
+          load_(load),
+          findings_(findings),
+          reduction_(reduction_of(contents.rig.cam0.width_px)) {
+        if (!contents.fixed_pattern.empty())
+            is_scene_ = reduced(contents.fixed_pattern, reduction_) == 0;
+    }
 
     void run(const base::ProgressCallback& progress) {
-        for (const Moment& moment : choose_moments(contents_)) {
+        const std::vector<Moment> moments = choose_moments(contents_);
+        for (std::size_t begin = 0; begin < moments.size(); begin += kMomentsAtOnce) {
             progress({});
-            look_at(moment);
+            std::vector<Seen> seen(std::min(kMomentsAtOnce, moments.size() - begin));
+            base::for_each_index(static_cast<int>(kMomentsAtOnce), seen.size(), [&](std::size_t i) {
+                look_at(moments[begin + i], seen[i]);
+            });
+            for (const Seen& of_moment : seen) add(of_moment);
         }
         mounting_.report(findings_);
         report_stereo();
@@ -138,48 +177,57 @@ public:
     }
 
 private:
-    void look_at(const Moment& moment) {
-        const LoadedPair first = load_(moment.first);
+    void look_at(const Moment& moment, Seen& seen) const {
+        const LoadedPair first = load_(moment.first, Eyes::Both);
         if (!first.is_complete()) return;
-        const cv::Mat& left = first.left.image;
+        const cv::Mat left = reduced(first.left.image, reduction_);
+        const cv::Mat right = reduced(first.right.image, reduction_);
         std::vector<cv::Point2f> corners;
-        cv::Mat is_scene;  // empty: all of the image
-        if (!contents_.fixed_pattern.empty()) cv::bitwise_not(contents_.fixed_pattern, is_scene);
-        cv::goodFeaturesToTrack(left, corners, 250, 0.01, 12.0, is_scene);
+        cv::goodFeaturesToTrack(left, corners, 250, 0.01, 12.0, is_scene_);
         if (std::ssize(corners) < kMinPoints) return;
         std::vector<bool> found(corners.size(), true);
-        const auto right = track_corners(left, first.right.image, corners, found);
-        mounting_.add(left, first.right.image, corners, right, found);
+        const auto in_right = track_corners(left, right, corners, found);
+        seen.mounting.add(left, right, corners, in_right, found);
         const std::vector<bool> found_in_right = found;
         std::vector<cv::Point2f> later = corners;
         if (moment.is_motion()) {
-            const LoadedPair second = load_(moment.second);
+            const LoadedPair second = load_(moment.second, Eyes::Left);
             if (second.left.image.empty()) return;
-            later = track_corners(left, second.left.image, corners, found);
+            later = track_corners(left, reduced(second.left.image, reduction_), corners, found);
         }
         std::vector<cv::Point3d> points;
         std::vector<cv::Point2d> rays;
         for (std::size_t i = 0; i < corners.size(); ++i) {
             if (!found_in_right[i]) continue;
-            const StereoPoint point = triangulate(rays_, corners[i], right[i]);
-            stereo_.push_back(point);
-            stereo_swapped_.push_back(triangulate(swapped_rays_, corners[i], right[i]));
-            if (!found[i] || point.epipolar_error_px > 3.0 || point.inverse_depth < 0.02) continue;
-            const Eigen::Vector3d ray = rays_.left(later[i]);
+            const cv::Point2f corner = recorded_px(corners[i]);
+            const cv::Point2f other = recorded_px(in_right[i]);
+            const StereoPoint point = triangulate(rays_, corner, other);
+            seen.stereo.push_back(point);
+            seen.stereo_swapped.push_back(triangulate(swapped_rays_, corner, other));
+            if (!found[i] || point.epipolar_error_px > kMaxEpipolarError_px * reduction_ ||
+                point.inverse_depth < 0.02)
+                continue;
+            const Eigen::Vector3d ray = rays_.left(recorded_px(later[i]));
             points.emplace_back(point.p_cam0.x(), point.p_cam0.y(), point.p_cam0.z());
             rays.emplace_back(ray.x(), ray.y());
         }
-        if (moment.is_motion()) add_rotation(moment, points, rays);
+        if (moment.is_motion()) seen.rotation = rotation_of(moment, points, rays);
     }
 
-    void add_rotation(const Moment& moment,
-                      const std::vector<cv::Point3d>& points,
-                      const std::vector<cv::Point2d>& rays) {
-        if (std::ssize(points) < kMinPoints) return;
+    // Returns the pixel of the image as recorded.
+    cv::Point2f recorded_px(const cv::Point2f& reduced_px) const {
+        const float offset_px = 0.5F * static_cast<float>(reduction_ - 1);
+        return reduced_px * static_cast<float>(reduction_) + cv::Point2f(offset_px, offset_px);
+    }
+
+    std::optional<RotationPair> rotation_of(const Moment& moment,
+                                            const std::vector<cv::Point3d>& points,
+                                            const std::vector<cv::Point2d>& rays) const {
+        if (std::ssize(points) < kMinPoints) return std::nullopt;
         cv::Mat rotation;
         cv::Mat shift;
         std::vector<int> inliers;
-        const double tolerance = 2.0 / contents_.rig.cam0.fx_px;
+        const double tolerance = kMaxReprojectionError_px * reduction_ / contents_.rig.cam0.fx_px;
         if (!cv::solvePnPRansac(points,
                                 rays,
                                 cv::Mat::eye(3, 3, CV_64F),
@@ -191,14 +239,22 @@ private:
                                 static_cast<float>(tolerance),
                                 0.99,
                                 inliers))
-            return;
-        if (std::ssize(inliers) * 2 < std::ssize(points)) return;
+            return std::nullopt;
+        if (std::ssize(inliers) * 2 < std::ssize(points)) return std::nullopt;
         // PnP maps the first camera's coordinates to the second's; the rotation of the rig is its
         // inverse.
         const Eigen::Vector3d rotation_cam0(
             -rotation.at<double>(0), -rotation.at<double>(1), -rotation.at<double>(2));
-        rotations_.push_back(
-            {moment.rotation_imu / moment.duration_s, rotation_cam0 / moment.duration_s});
+        return RotationPair{moment.rotation_imu / moment.duration_s,
+                            rotation_cam0 / moment.duration_s};
+    }
+
+    void add(const Seen& seen) {
+        mounting_.add(seen.mounting);
+        stereo_.insert(stereo_.end(), seen.stereo.begin(), seen.stereo.end());
+        stereo_swapped_.insert(
+            stereo_swapped_.end(), seen.stereo_swapped.begin(), seen.stereo_swapped.end());
+        if (seen.rotation) rotations_.push_back(*seen.rotation);
     }
 
     void report_stereo() {
@@ -219,7 +275,7 @@ private:
         const auto behind = num_behind(stereo_);
         if (behind * 2 > std::ssize(stereo_) &&
             num_behind(stereo_swapped_) * 5 < std::ssize(stereo_) &&
-            swapped_error_px < error_px + 0.5)
+            swapped_error_px < error_px + kMaxSwappedError_px * reduction_)
             return findings_.error(
                 "cameras_swapped",
                 "mav0/cam0/data",
@@ -232,8 +288,10 @@ private:
     }
 
     const DiveContents& contents_;
-    const std::function<LoadedPair(int index)>& load_;
+    const std::function<LoadedPair(int index, Eyes eyes)>& load_;
     FindingLog& findings_;
+    const int reduction_;  // of the images; all tolerances grow with it
+    cv::Mat is_scene_;     // 255 outside the fixed pattern; empty: all of the image
     const StereoRays rays_{contents_.rig};
     const StereoRays swapped_rays_{swapped(contents_.rig)};
     MountingCheck mounting_;
@@ -245,7 +303,7 @@ private:
 }  // namespace
 
 void check_motion(const DiveContents& contents,
-                  const std::function<LoadedPair(int index)>& load,
+                  const std::function<LoadedPair(int index, Eyes eyes)>& load,
                   const base::ProgressCallback& progress,
                   FindingLog& findings) {
     MotionCheck(contents, load, findings).run(progress);

@@ -11,9 +11,10 @@ namespace divemesh::dive {
 
 // Checks about a dozen moments of the dive where the gyro rotates most: whether left and right
 // images fit the calibration, and whether gyro and images show the same rotation. Images without
-// matching features are ignored. `load` returns the pair of an index.
+// matching features are ignored; those of more than 960 px of width are reduced. `load` returns the
+// pair of an index, or its left image alone; several threads call it at once.
 void check_motion(const DiveContents& contents,
-                  const std::function<LoadedPair(int index)>& load,
+                  const std::function<LoadedPair(int index, Eyes eyes)>& load,
                   const base::ProgressCallback& progress,
                   FindingLog& findings);
 

@@ -48,6 +48,14 @@ void MountingCheck::add(const cv::Mat& left,
     }
 }
 
+void MountingCheck::add(const MountingCheck& other) {
+    num_corners_ += other.num_corners_;
+    num_found_ += other.num_found_;
+    num_in_place_ += other.num_in_place_;
+    for (std::size_t i = 0; i < kNumOrientations; ++i)
+        num_found_turned_[i] += other.num_found_turned_[i];
+}
+
 void MountingCheck::report(FindingLog& findings) const {
     if (num_corners_ < kMinCorners) return;
     if (num_found_ > kMinCorners && stats::ratio(num_in_place_, num_found_) > kMinShareInPlace)

@@ -21,6 +21,8 @@ public:
              const std::vector<cv::Point2f>& corners,
              const std::vector<cv::Point2f>& found_at,
              const std::vector<bool>& found);
+    // Adds the pairs of another check.
+    void add(const MountingCheck& other);
     void report(FindingLog& findings) const;
 
 private:

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "worker/base/parallel.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/dive/motion_profile.hpp"
 #include "worker/dive/stamp_check.hpp"
@@ -14,6 +15,7 @@ namespace divemesh::dive {
 namespace {
 
 constexpr int kNumMoments = 12;
+constexpr int kMomentsAtOnce = 2;                      // each holds three images and their pyramids
 constexpr std::int64_t kMinInterval_ns = 90'000'000;   // for a feature to move by some pixels
 constexpr std::int64_t kMaxInterval_ns = 600'000'000;  // for it to be found again
 constexpr double kPlausibleShare = 0.2;  // of corners that fit; pairs of other times have 0 to 0.05
@@ -136,14 +138,15 @@ private:
         const std::vector<FramePair>& pairs = frames.pairs;
         if (pairs.empty()) return;
         std::vector<int>& moments = frames.moments;
-        std::vector<EpipolarMoment> samples;
         const int num_pairs = static_cast<int>(pairs.size());
         for (int k = 0; k < kNumMoments; ++k) {
             const int first = (2 * k + 1) * num_pairs / (2 * kNumMoments);
-            if (!moments.empty() && moments.back() == first) continue;
-            samples.push_back(sample(pairs, first, next_after(pairs, first)));
-            moments.push_back(first);
+            if (moments.empty() || moments.back() != first) moments.push_back(first);
         }
+        std::vector<EpipolarMoment> samples(moments.size());
+        base::for_each_index(kMomentsAtOnce, samples.size(), [&](std::size_t k) {
+            samples[k] = sample(pairs, moments[k], next_after(pairs, moments[k]));
+        });
         frames.delay = estimate_delay(samples);
         if (frames.gaps_vary()) measure_beyond_gaps(std::move(samples), frames);
     }

@@ -11,7 +11,7 @@
 
 namespace divemesh::dive {
 
-// The images of both cameras by their rows.
+// The images of both cameras by their rows. Several threads load at once.
 struct CameraImages {
     std::vector<CameraRow> left;
     std::vector<CameraRow> right;

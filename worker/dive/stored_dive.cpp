@@ -89,7 +89,7 @@ StoredDive::StoredDive(const std::filesystem::path& path,
         FrameReader(num_frames(), kPrefetchedPairs, [this](int index) { return load(index); });
     check_first_images();
     if (has_error(findings_.all())) return;
-    const auto load_pair = [this](int index) { return load(index); };
+    const auto load_pair = [this](int index, Eyes eyes = Eyes::Both) { return load(index, eyes); };
     contents_.fixed_pattern =
         check_images(num_frames(), load_pair, contents_.frames.delay.share_fitting, findings_);
     check_motion(contents_, load_pair, progress, findings_);
@@ -126,12 +126,12 @@ void StoredDive::pair_images() {
     report_pairs(contents_.frames, images, contents_.rig.baseline_m(), findings_);
 }
 
-LoadedPair StoredDive::load(int index) const {
+LoadedPair StoredDive::load(int index, Eyes eyes) const {
     const FramePair& files = contents_.frames.pairs[static_cast<std::size_t>(index)];
     LoadedPair pair;
     pair.index = index;
     pair.left = load_image(files_, files.left, contents_.rig.cam0, limits_, Channels::Grey);
-    if (pair.left.image.empty()) return pair;
+    if (pair.left.image.empty() || eyes == Eyes::Left) return pair;
     pair.right = load_image(files_, files.right, contents_.rig.cam1, limits_, Channels::Grey);
     return pair;
 }
@@ -215,9 +215,10 @@ types::StereoFrame StoredDive::frame_of(LoadedPair pair) const {
     return frame;
 }
 
-cv::Mat StoredDive::left_in_color(int frame_index) const {
+cv::Mat StoredDive::left_in_color(int frame_index, int reduction) const {
     const std::string& file = contents_.frames.pairs[static_cast<std::size_t>(frame_index)].left;
-    LoadedImage loaded = load_image(files_, file, contents_.rig.cam0, limits_, Channels::Bgr);
+    LoadedImage loaded =
+        load_image(files_, file, contents_.rig.cam0, limits_, Channels::Bgr, reduction);
     if (loaded.image.empty())
         throw Error(
             ErrorCode::Unavailable,

@@ -28,7 +28,7 @@ public:
     const cv::Mat& fixed_pattern() const override { return contents_.fixed_pattern; }
     std::optional<types::StereoFrame> next_frame() override;
     std::optional<types::StereoFrame> frame(int index) const override;
-    cv::Mat left_in_color(int frame_index) const override;
+    cv::Mat left_in_color(int frame_index, int reduction) const override;
     void rewind() override {
         reader_.rewind();
         previous_left_.release();
@@ -52,7 +52,7 @@ public:
     FindingLog& log() { return findings_; }
 
 private:
-    LoadedPair load(int index) const;
+    LoadedPair load(int index, Eyes eyes = Eyes::Both) const;
     void report_other_dives();
     void pair_images();
     void check_reference_mesh();

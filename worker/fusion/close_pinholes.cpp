@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <limits>
 #include <opencv2/core.hpp>
 #include <optional>
+#include <vector>
 
 namespace divemesh::fusion {
 namespace {
@@ -21,6 +23,7 @@ constexpr std::array<std::array<int, 2>, 4> kDirections = {{{1, 0}, {0, 1}, {1, 
 struct Depth {
     const cv::Mat& disparity;
     const cv::Mat& sigma;
+    const cv::Mat& known;  // CV_8U, see known_with_margin()
 };
 
 // The surface at the border of a hole.
@@ -52,13 +55,47 @@ void find_apart(const cv::Mat& disparity, int row, std::uint8_t* __restrict apar
     }
 }
 
+// Returns 255 where there is a disparity, 0 elsewhere and in a margin of kReach_px all around.
+cv::Mat known_with_margin(const cv::Mat& disparity) {
+    cv::Mat known(disparity.rows + 2 * kReach_px, disparity.cols + 2 * kReach_px, CV_8U);
+    known.setTo(0);
+    cv::Mat inner = known(cv::Rect({kReach_px, kReach_px}, disparity.size()));
+    cv::compare(disparity, 0.0, inner, cv::CMP_GT);
+    return known;
+}
+
+// Returns 255 if one of the next pixels in a direction is known.
+int reaches(const std::uint8_t* at, std::ptrdiff_t step) {
+    static_assert(kReach_px == 3);
+    return at[step] | at[2 * step] | at[3 * step];
+}
+int reaches_both_ways(const std::uint8_t* at, std::ptrdiff_t step) {
+    return reaches(at, step) & reaches(at, -step);
+}
+
+// Marks the unknown pixels of a row with known ones on both sides along at least three of the four
+// directions.
+void find_enclosed(const cv::Mat& known, int row, std::uint8_t* __restrict enclosed) {
+    static_assert(kMinDirections == 3 && kDirections.size() == 4);
+    const auto* at = known.ptr<std::uint8_t>(row + kReach_px) + kReach_px;
+    const auto stride = static_cast<std::ptrdiff_t>(known.step[0]);
+    const int width = known.cols - 2 * kReach_px;
+    for (int x = 0; x < width; ++x, ++at) {
+        const int across = reaches_both_ways(at, 1);
+        const int down = reaches_both_ways(at, stride);
+        const int falling = reaches_both_ways(at, stride + 1);
+        const int rising = reaches_both_ways(at, stride - 1);
+        const int most =
+            (across & down & (falling | rising)) | (falling & rising & (across | down));
+        enclosed[x] = static_cast<std::uint8_t>(most & ~*at);
+    }
+}
+
 std::optional<Border> border_of(const Depth& depth, cv::Point from, int dx, int dy) {
     for (int distance = 1; distance <= kReach_px; ++distance) {
         const cv::Point at(from.x + distance * dx, from.y + distance * dy);
-        if (at.x < 0 || at.y < 0 || at.x >= depth.disparity.cols || at.y >= depth.disparity.rows)
-            break;
-        if (const float d = depth.disparity.at<float>(at); d > 0.0F)
-            return Border{d, depth.sigma.at<float>(at), distance};
+        if (depth.known.at<std::uint8_t>(at.y + kReach_px, at.x + kReach_px) != 0)
+            return Border{depth.disparity.at<float>(at), depth.sigma.at<float>(at), distance};
     }
     return std::nullopt;
 }
@@ -102,15 +139,18 @@ void close_pinholes(cv::Mat& disparity_px, cv::Mat& sigma_px) {
     for (int y = 1; y + 1 < disparity_px.rows; ++y)
         find_apart(disparity_px, y, apart.ptr<std::uint8_t>(y));
     disparity_px.setTo(0.0F, apart);
-    const cv::Mat known = disparity_px.clone();
-    for (int y = 0; y < known.rows; ++y)
-        for (int x = 0; x < known.cols; ++x) {
-            if (known.at<float>(y, x) > 0.0F) continue;
-            const auto surface = closed({known, sigma_px}, {x, y});
+    const cv::Mat known = known_with_margin(disparity_px);
+    std::vector<std::uint8_t> enclosed(static_cast<std::size_t>(disparity_px.cols));
+    for (int y = 0; y < disparity_px.rows; ++y) {
+        find_enclosed(known, y, enclosed.data());
+        for (int x = 0; x < disparity_px.cols; ++x) {
+            if (enclosed[static_cast<std::size_t>(x)] == 0) continue;
+            const auto surface = closed({disparity_px, sigma_px, known}, {x, y});
             if (!surface) continue;
             disparity_px.at<float>(y, x) = surface->disparity_px;
             sigma_px.at<float>(y, x) = surface->sigma_px;
         }
+    }
 }
 
 }  // namespace divemesh::fusion

@@ -13,7 +13,6 @@
 namespace divemesh::keyframes {
 namespace {
 
-constexpr int kWidth_px = 320;
 constexpr std::size_t kSlice = 32;  // images between two checks for cancellation
 
 std::string image_name(int frame_index) {
@@ -23,7 +22,7 @@ std::string image_name(int frame_index) {
 }
 
 void write_image(const std::filesystem::path& file, const cv::Mat& image) {
-    const double scale = std::min(1.0, static_cast<double>(kWidth_px) / image.cols);
+    const double scale = std::min(1.0, static_cast<double>(kImageWidth_px) / image.cols);
     cv::Mat small;
     cv::resize(image, small, {}, scale, scale, cv::INTER_AREA);
     std::vector<std::uint8_t> jpeg;
@@ -48,7 +47,7 @@ nlohmann::json entry_of(const types::Keyframe& keyframe) {
 void write_keyframe_images(const std::filesystem::path& folder,
                            const types::RectifiedRig& rig,
                            const std::vector<types::Keyframe>& keyframes,
-                           const KeyframeStore& store,
+                           const ReadImage& read,
                            int num_threads,
                            const base::ProgressCallback& progress) {
     std::filesystem::create_directories(folder / "keyframes");
@@ -59,7 +58,7 @@ void write_keyframe_images(const std::filesystem::path& folder,
         base::for_each_index(
             num_threads, std::min(kSlice, keyframes.size() - begin), [&](std::size_t i) {
                 const int frame_index = keyframes[begin + i].frame_index;
-                write_image(folder / image_name(frame_index), store.left_in_color(frame_index));
+                write_image(folder / image_name(frame_index), read(frame_index));
             });
     }
     nlohmann::json list = nlohmann::json::array();

@@ -1,5 +1,6 @@
 #include "worker/odometry/support.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -21,8 +22,9 @@ constexpr double kMinUnexpectedShare = 0.5;  // of the pairs
 constexpr double kMinShareFound = 0.05;
 // Where the texture repeats, a tenth of them finds a neighbour that agrees with a wrong motion.
 constexpr double kMinUnexpectedShareFound = 0.15;
-constexpr double kNearPrediction_px = 4.0;
-constexpr std::size_t kMinCells = 6;  // cells of the image with an inlier
+constexpr double kNearPrediction_px = 4.0;  // in images of kNearWidth_px or less
+constexpr double kNearWidth_px = 640.0;     // the same motion moves more pixels of wider ones
+constexpr std::size_t kMinCells = 6;        // cells of the image with an inlier
 
 // Returns the share of a part; 1 if the whole is 0, because then no item is missing.
 double share_or_all(std::size_t part, std::size_t whole) {
@@ -52,7 +54,8 @@ std::size_t num_cells(const types::RectifiedRig& rig, const PointPairs& pairs) {
 bool is_near_prediction(const types::RectifiedRig& rig,
                         const PointPairs& pairs,
                         const Eigen::Isometry3d& expected) {
-    return median_error_px(rig, pairs, expected) < kNearPrediction_px;
+    const double times_wider = std::max(1.0, rig.width_px / kNearWidth_px);
+    return median_error_px(rig, pairs, expected) < kNearPrediction_px * times_wider;
 }
 
 bool well_supported(const types::RectifiedRig& rig,

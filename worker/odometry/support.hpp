@@ -12,7 +12,8 @@ namespace divemesh::odometry {
 // Returns the number of cells of the image, of 8 x 6, with the current position of a pair.
 std::size_t num_cells(const types::RectifiedRig& rig, const PointPairs& pairs);
 
-// Returns true if the pairs are, in the median, within some pixels of where a motion predicts them.
+// Returns true if the pairs are, in the median, within 4 px of where a motion predicts them; in
+// images of more than 640 px of width within as much of their width.
 bool is_near_prediction(const types::RectifiedRig& rig,
                         const PointPairs& pairs,
                         const Eigen::Isometry3d& expected);

@@ -2,24 +2,15 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "worker/camera/rectified_lens.hpp"
+
 namespace divemesh::pipeline {
 namespace {
 
-types::Camera reduced_camera(types::Camera camera, int reduction) {
-    camera.width_px /= reduction;
-    camera.height_px /= reduction;
-    camera.fx_px /= reduction;
-    camera.fy_px /= reduction;
-    // Pixel centres are whole numbers in both sizes.
-    camera.cx_px = (camera.cx_px + 0.5) / reduction - 0.5;
-    camera.cy_px = (camera.cy_px + 0.5) / reduction - 0.5;
-    return camera;
-}
-
 types::Rig reduced_rig(types::Rig rig, int reduction) {
     if (reduction == 1) return rig;
-    rig.cam0 = reduced_camera(rig.cam0, reduction);
-    rig.cam1 = reduced_camera(rig.cam1, reduction);
+    rig.cam0 = camera::reduced_camera(rig.cam0, reduction);
+    rig.cam1 = camera::reduced_camera(rig.cam1, reduction);
     return rig;
 }
 

@@ -1,5 +1,7 @@
 #include "worker/pipeline/reconstruction.hpp"
 
+#include <mutex>
+
 #include "schemas/error.hpp"
 #include "schemas/verdict.hpp"
 #include "worker/base/free_memory.hpp"
@@ -38,9 +40,15 @@ std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
     return dive;
 }
 
+// Makes the rectifier with the first image: the rig may change before that.
 keyframes::KeyframeStore::LeftInColor rectified_left_images(const types::Recording& dive) {
-    return [&dive, rectifier = std::make_shared<const camera::Rectifier>(dive)](int frame_index) {
-        return rectifier->rectify_left(dive.left_in_color(frame_index));
+    struct Made {
+        std::once_flag once;
+        std::optional<camera::ImageRectifier> rectifier;
+    };
+    return [&dive, made = std::make_shared<Made>()](int frame_index) {
+        std::call_once(made->once, [&] { made->rectifier = camera::left_rectifier(dive); });
+        return made->rectifier->rectify(dive.left_in_color(frame_index, 1));
     };
 }
 

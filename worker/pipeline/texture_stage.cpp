@@ -1,7 +1,9 @@
 #include <fstream>
 #include <iterator>
+#include <memory>
 
 #include "worker/base/atomic_file.hpp"
+#include "worker/camera/small_left_images.hpp"
 #include "worker/io/glb_writer.hpp"
 #include "worker/keyframes/keyframe_images.hpp"
 #include "worker/mosaic/mosaic.hpp"
@@ -15,6 +17,21 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kThumbnail = "thumbnail.png";  // for report.html, not an artifact
+
+// Returns what reads the images of keyframes. Those of a rolling shutter are moved by their depth,
+// which takes all of their pixels.
+keyframes::ReadImage keyframe_images(const Reconstruction& made) {
+    if (made.shutter)
+        return [&made](int frame_index) { return made.keyframe_store.left_in_color(frame_index); };
+    const types::RefinedCalibration& calibration = made.optimised.calibration;
+    camera::RectifiedLens left = camera::rectified_lenses(made.recording.rig())[0];
+    if (calibration.lenses_applied)
+        left.camera = camera::changed_camera(left.camera, calibration.lenses[0]);
+    return [images = std::make_shared<const camera::SmallLeftImages>(
+                made.recording, left, made.track.rig, keyframes::kImageWidth_px)](int frame_index) {
+        return images->read(frame_index);
+    };
+}
 
 std::string read_text(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -35,7 +52,7 @@ void run_texture(Reconstruction& made, const base::ProgressCallback& progress) {
     keyframes::write_keyframe_images(folder,
                                      made.optimised.rig,
                                      made.optimised.keyframes,
-                                     made.keyframe_store,
+                                     keyframe_images(made),
                                      made.options().num_threads,
                                      progress);
     if (!made.options().texture) return;

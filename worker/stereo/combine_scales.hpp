@@ -1,5 +1,6 @@
 #pragma once
 
+#include "worker/base/instructions.hpp"
 #include "worker/types/keyframe.hpp"
 
 namespace divemesh::stereo {
@@ -14,6 +15,8 @@ namespace divemesh::stereo {
 // - What the full size measured well stays; sigma rises where the half size contradicts.
 //
 // `half` is in px of the half size, as SingleScaleMatcher gives it.
-void combine_scales(const types::DepthMap& half, types::DepthMap& full);
+void combine_scales(const types::DepthMap& half,
+                    types::DepthMap& full,
+                    base::Instructions instructions = base::best_instructions());
 
 }  // namespace divemesh::stereo

@@ -39,22 +39,31 @@ DIVEMESH_INLINE_BODY base::Floats supported(const float* const* rows, int x, bas
     return base::select(count >= kMinPairs, sum / base::max(count, base::broadcast(1.0F)));
 }
 
+// Returns eight pixels of a row after a round: unconfirmed winners with support get its mean.
+DIVEMESH_INLINE_BODY base::Floats filled(const float* const* rows, int x) {
+    const base::Floats here = base::load(rows[kReach_px] + x);
+    const base::Masks unconfirmed = here < 0.0F;
+    if (!base::any(unconfirmed)) return here;
+    const base::Floats mean = supported(rows, x, -here);
+    const base::Masks is_filled = unconfirmed & (mean > 0.0F);
+    return base::select(is_filled, mean) + base::select(~is_filled, here);
+}
+
 DIVEMESH_INLINE_BODY void fill_row(const float* const* rows, int width, float* out) {
+    for (int x = 0; x < width; x += base::kLanes) base::store(out + x, filled(rows, x));
+}
+
+// The same; winners that are still unconfirmed become holes.
+DIVEMESH_INLINE_BODY void fill_row_at_last(const float* const* rows, int width, float* out) {
     for (int x = 0; x < width; x += base::kLanes) {
-        const base::Floats here = base::load(rows[kReach_px] + x);
-        const base::Masks unconfirmed = here < 0.0F;
-        if (!base::any(unconfirmed)) {
-            base::store(out + x, here);
-            continue;
-        }
-        const base::Floats mean = supported(rows, x, -here);
-        const base::Masks filled = unconfirmed & (mean > 0.0F);
-        base::store(out + x, base::select(filled, mean) + base::select(~filled, here));
+        const base::Floats values = filled(rows, x);
+        base::store(out + x, base::select(values > 0.0F, values));
     }
 }
 
-void fill(const PaddedDisparity& from, PaddedDisparity& to, base::Instructions instructions) {
-    const auto fill_one = base::compiled_for<fill_row>(instructions);
+using FillRow = void (*)(const float* const* rows, int width, float* out);
+
+void fill(FillRow fill_one, const PaddedDisparity& from, PaddedDisparity& to) {
     for (int y = 0; y < from.height(); ++y) {
         const float* rows[2 * kReach_px + 1];
         for (int i = 0; i <= 2 * kReach_px; ++i) rows[i] = from.row(y + i - kReach_px);
@@ -68,12 +77,8 @@ void fill_holes(PaddedDisparity& disparity_px,
                 PaddedDisparity& spare,
                 base::Instructions instructions) {
     spare.resize(disparity_px.size());
-    fill(disparity_px, spare, instructions);
-    fill(spare, disparity_px, instructions);
-    for (int y = 0; y < disparity_px.height(); ++y) {
-        float* row = disparity_px.row(y);
-        for (int x = 0; x < disparity_px.width(); ++x) row[x] = row[x] > 0.0F ? row[x] : 0.0F;
-    }
+    fill(base::compiled_for<fill_row>(instructions), disparity_px, spare);
+    fill(base::compiled_for<fill_row_at_last>(instructions), spare, disparity_px);
 }
 
 }  // namespace divemesh::stereo

@@ -69,8 +69,9 @@ public:
     virtual std::optional<StereoFrame> frame(int index) const = 0;
     // Returns the left image of a frame that next_frame() returned, 8 bit BGR; of a grey dive with
     // three equal channels. It is decoded on demand, as most frames are never needed in colour.
-    // Thread-safe.
-    virtual cv::Mat left_in_color(int frame_index) const = 0;
+    // With a `reduction` of 2, 4 or 8 it has that part of its size, rounded down, which takes less
+    // time; 1: all of it. Thread-safe.
+    virtual cv::Mat left_in_color(int frame_index, int reduction) const = 0;
     virtual void rewind() = 0;
     virtual std::int64_t num_skipped_frames() const = 0;
 };

@@ -78,6 +78,49 @@ TEST(RectifierTest, PutsAPointOnOneRowWithTheDisparityOfItsDepth) {
     }
 }
 
+// Returns an image as one loop over all pixels rectifies it.
+cv::Mat plainly_rectified(const cv::Mat& image,
+                          const RectifiedLens& lens,
+                          const types::RectifiedRig& rig) {
+    cv::Mat x(rig.height_px, rig.width_px, CV_32F);
+    cv::Mat y(rig.height_px, rig.width_px, CV_32F);
+    for (int v = 0; v < rig.height_px; ++v)
+        for (int u = 0; u < rig.width_px; ++u) {
+            const Eigen::Vector2d pixel = lens.recorded_px(rig, Eigen::Vector2d(u, v));
+            x.at<float>(v, u) = static_cast<float>(pixel.x());
+            y.at<float>(v, u) = static_cast<float>(pixel.y());
+        }
+    cv::Mat pixels, parts, result;
+    cv::convertMaps(x, y, pixels, parts, CV_16SC2);
+    cv::remap(image, result, pixels, parts, cv::INTER_LINEAR);
+    return result;
+}
+
+TEST(RectifierTest, GivesTheBytesOfAPlainLoop) {
+    synthetic::SensorRecording recording;
+    recording.its_rig = converging_rig();
+    recording.its_rig.cam0.width_px = recording.its_rig.cam1.width_px = 637;
+    const types::Rig& rig = recording.its_rig;
+    cv::RNG random(11);
+    types::StereoFrame frame;
+    cv::Mat color(480, 637, CV_8UC3);
+    frame.left.create(480, 637, CV_8U);
+    frame.right.create(480, 637, CV_8U);
+    for (cv::Mat* image : {&frame.left, &frame.right, &color})
+        random.fill(*image, cv::RNG::UNIFORM, 0, 256);
+    const Rectifier rectifier(rig);
+
+    const types::RectifiedFrame rectified = rectifier.rectify(frame);
+
+    const auto difference = [&](const cv::Mat& found, const cv::Mat& recorded, std::size_t side) {
+        const RectifiedLens lens = rectified_lenses(rig)[side];
+        return cv::norm(found, plainly_rectified(recorded, lens, rectifier.rig()), cv::NORM_INF);
+    };
+    EXPECT_EQ(difference(rectified.left, frame.left, 0), 0.0);
+    EXPECT_EQ(difference(rectified.right, frame.right, 1), 0.0);
+    EXPECT_EQ(difference(left_rectifier(recording).rectify(color), color, 0), 0.0);
+}
+
 TEST(RectifierTest, TakesTheMiddleOfAFisheyeImageThatSeesBehindItself) {
     types::Rig rig = converging_rig();
     // At 150 px a radian the corners are 150 degrees off the axis.

@@ -4,10 +4,12 @@
 
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <opencv2/imgproc.hpp>
 #include <string>
 #include <vector>
 
 #include "tests/synthetic/texture.hpp"
+#include "worker/dive/image.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -33,6 +35,38 @@ TEST(GreyPngTest, GivesWhatOpenCvGives) {
             const auto decoded = decode_grey_png(png(image, {cv::IMWRITE_PNG_STRATEGY, strategy}));
             ASSERT_TRUE(decoded);
             EXPECT_EQ(cv::norm(*decoded, image, cv::NORM_INF), 0.0);
+        }
+    }
+}
+
+TEST(DecodeImageTest, AGreyPngInColourIsWhatOpenCvGives) {
+    const std::string bytes = png(noise(61, 7, CV_8UC1));
+    const cv::Mat expected = cv::imdecode(
+        cv::Mat(1, static_cast<int>(bytes.size()), CV_8UC1, const_cast<char*>(bytes.data())),
+        cv::IMREAD_COLOR);
+    const cv::Mat decoded = decode_image(bytes, read_image_header(bytes), Channels::Bgr);
+    ASSERT_EQ(decoded.type(), CV_8UC3);
+    EXPECT_EQ(cv::norm(decoded, expected, cv::NORM_INF), 0.0);
+}
+
+TEST(DecodeImageTest, AReducedImageIsTheMeanOfItsPixels) {
+    cv::Mat smooth;
+    cv::GaussianBlur(noise(203, 101, CV_8UC3), smooth, {}, 6.0);
+    cv::normalize(smooth, smooth, 0, 255, cv::NORM_MINMAX);
+    for (const char* format : {".png", ".jpg"}) {
+        std::vector<unsigned char> encoded;
+        cv::imencode(format, smooth, encoded, {cv::IMWRITE_JPEG_QUALITY, 100});
+        const std::string bytes(encoded.begin(), encoded.end());
+        for (const int reduction : {2, 4, 8}) {
+            const cv::Size size(203 / reduction, 101 / reduction);
+            const cv::Rect squares(0, 0, size.width * reduction, size.height * reduction);
+            cv::Mat expected;
+            cv::resize(smooth(squares), expected, size, 0.0, 0.0, cv::INTER_AREA);
+            const cv::Mat decoded =
+                decode_image(bytes, read_image_header(bytes), Channels::Bgr, reduction);
+            ASSERT_EQ(decoded.size(), size) << format << " / " << reduction;
+            EXPECT_LT(cv::norm(decoded, expected, cv::NORM_L1) / (3.0 * size.area()), 3.0)
+                << format << " / " << reduction;
         }
     }
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <opencv2/imgproc.hpp>
 #include <optional>
 
@@ -125,6 +126,57 @@ TEST(ImageChecksTest, TwoFieldsOfTwoMomentsAreInterlaced) {
 
     EXPECT_THAT(findings_of(interlaced, interlaced),
                 HasFinding(Severity::Warning, "images_interlaced", "cam0"));
+}
+
+// Returns the mean of |2 I(y) - I(y - step) - I(y + step)|, by line.
+double mean_step_of_lines(const cv::Mat& image, int step) {
+    double sum = 0.0;
+    int num = 0;
+    for (int y = 2; y + 2 < image.rows; ++y)
+        for (int x = 0; x < image.cols; ++x, ++num)
+            sum += std::abs(2.0 * image.at<unsigned char>(y, x) -
+                            image.at<unsigned char>(y - step, x) -
+                            image.at<unsigned char>(y + step, x));
+    return sum / num;
+}
+
+TEST(ImageMeasuresTest, CombingIsTheContrastOfLinesOverThatOfColumns) {
+    cv::Mat image = scene(0.0)(cv::Rect(3, 5, 601, 437));  // rows do not follow each other
+    for (int row = 1; row < image.rows; row += 2)
+        scene(0.5)(cv::Rect(3, 5 + row, 601, 1)).copyTo(image.row(row));
+    const cv::Mat columns = image.t();
+
+    const double expected = mean_step_of_lines(image, 1) / mean_step_of_lines(image, 2) /
+                            (mean_step_of_lines(columns, 1) / mean_step_of_lines(columns, 2));
+
+    EXPECT_NEAR(combing(image), expected, 1e-12);
+}
+
+TEST(ImageMeasuresTest, OfALargeImageTheMiddleTellsCombingAndMosaic) {
+    cv::Mat large;
+    cv::resize(scene(0.0), large, {1921, 1081}, 0.0, 0.0, cv::INTER_CUBIC);
+    const cv::Mat middle = large(cv::Rect((1921 - 640) / 2, (1081 - 640) / 2, 640, 640)).clone();
+    EXPECT_EQ(combing(large), combing(middle));
+    EXPECT_EQ(mosaic_contrast(large), mosaic_contrast(middle));
+    EXPECT_LT(mosaic_contrast(large), 0.005);
+
+    large.row(540) = 0;
+    EXPECT_NE(combing(large), combing(middle));
+    for (int y = 0; y < large.rows; y += 2)
+        for (int x = 0; x < large.cols; x += 2)
+            large.at<unsigned char>(y, x) =
+                static_cast<unsigned char>(large.at<unsigned char>(y, x) / 2);
+    EXPECT_GT(mosaic_contrast(large), 0.1);
+}
+
+TEST(ImageMeasuresTest, AReducedImageMeasuresAsTheImageItself) {
+    cv::Mat large;
+    cv::resize(scene(0.0), large, {1100, 825}, 0.0, 0.0, cv::INTER_CUBIC);
+    for (const cv::Mat& image : {large, scene(0.0)}) {
+        EXPECT_EQ(sharpness(reduced(image)), sharpness(image));
+        EXPECT_EQ(has_texture(reduced(image)), has_texture(image));
+        EXPECT_EQ(is_dark(reduced(image)), is_dark(image));
+    }
 }
 
 TEST(ImageChecksTest, ABayerMosaicOfColouredWaterIsNamedAndHidesNoTexture) {

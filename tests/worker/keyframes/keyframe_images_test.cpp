@@ -29,12 +29,11 @@ protected:
     TemporaryFolder folder_;
     types::RectifiedRig rig_;
     std::vector<types::Keyframe> keyframes_;
-    KeyframeStore store_{folder_ / "store",
-                         [](int) { return cv::Mat(480, 640, CV_8UC3, cv::Scalar(40, 80, 120)); }};
+    const ReadImage read_ = [](int) { return cv::Mat(480, 640, CV_8UC3, cv::Scalar(40, 80, 120)); };
 };
 
 TEST_F(KeyframeImagesTest, EveryKeyframeHasAPoseAndASmallImage) {
-    write_keyframe_images(folder_.path(), rig_, keyframes_, store_, 2, base::ignore_progress);
+    write_keyframe_images(folder_.path(), rig_, keyframes_, read_, 2, base::ignore_progress);
     const auto json = nlohmann::json::parse(std::ifstream(folder_ / "keyframes.json"));
     ASSERT_EQ(json["keyframes"].size(), 2U);
     const auto& second = json["keyframes"][1];
@@ -48,7 +47,7 @@ TEST_F(KeyframeImagesTest, EveryKeyframeHasAPoseAndASmallImage) {
 
 TEST_F(KeyframeImagesTest, StopsWhenTheCallbackCancels) {
     const auto cancel = [](const Progress&) { throw Error(ErrorCode::Cancelled, "stop"); };
-    EXPECT_THROW(write_keyframe_images(folder_.path(), rig_, keyframes_, store_, 2, cancel), Error);
+    EXPECT_THROW(write_keyframe_images(folder_.path(), rig_, keyframes_, read_, 2, cancel), Error);
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "tests/synthetic/stereo_world.hpp"
 
 namespace divemesh::odometry {
@@ -41,6 +43,26 @@ TEST(SupportTest, AFewFeaturesConfirmThePrediction) {
     const Registration motion = motion_of(15);
     EXPECT_TRUE(supported(motion, motion.T_current_previous));
     EXPECT_FALSE(supported(motion_of(5), motion.T_current_previous));
+}
+
+// The same motion of the same scene moves three times as many pixels of an image three times as
+// wide.
+TEST(SupportTest, NearThePredictionIsAShareOfTheWidthInWideImages) {
+    for (const int width_px : {320, 640, 1920}) {
+        const types::RectifiedRig rig =
+            synthetic::ideal_rig(width_px, width_px * 3 / 4, 0.78 * width_px);
+        PointPair pair;
+        pair.p_previous = Eigen::Vector3d(0.1, -0.2, 2.0);
+        pair.current_px = types::project_px(rig, pair.p_previous);
+        const auto is_near = [&](double error_px) {
+            Eigen::Isometry3d expected = Eigen::Isometry3d::Identity();
+            expected.translation().x() = error_px * 2.0 / rig.focal_px;
+            return is_near_prediction(rig, {pair}, expected);
+        };
+        const double times_wider = std::max(1.0, width_px / 640.0);
+        EXPECT_TRUE(is_near(3.9 * times_wider)) << width_px;
+        EXPECT_FALSE(is_near(4.1 * times_wider)) << width_px;
+    }
 }
 
 // After two seconds at constant velocity: one brick in ten is taken for its neighbour.

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <opencv2/core.hpp>
 
 #include "tests/worker/stereo/warped_pair.hpp"
@@ -99,6 +101,119 @@ TEST(CombineScales, AddsNothingWhereTheHalfSizeKnowsNothing) {
     combine_scales(nothing, depth);
     EXPECT_EQ(depth.disparity_px.at<float>(kInHole), 0.0F);
     EXPECT_EQ(depth.sigma_disparity_px.at<float>(kBesideHole), 1.0F);
+}
+
+struct Estimate {
+    float disparity_px = 0.0F;
+    float sigma_px = 0.0F;
+};
+
+// The definition, pixel by pixel. `half` is as matched; returns 0 where it tells nothing.
+Estimate half_at(const types::DepthMap& half, int x, int y) {
+    const cv::Mat& disparity = half.disparity_px;
+    const auto trusted = [&](int u, int v) {
+        const float d = disparity.at<float>(v, u);
+        for (int j = std::max(0, v - 5); j <= std::min(disparity.rows - 1, v + 5); ++j)
+            for (int i = std::max(0, u - 5); i <= std::min(disparity.cols - 1, u + 5); ++i)
+                if (const float farther = disparity.at<float>(j, i);
+                    farther > 0.0F && d - farther > 2.0F)
+                    return 0.0F;
+        return d;
+    };
+    const auto at = [](int i, int num) {
+        return std::clamp(0.5F * (static_cast<float>(i) - 0.5F), 0.0F, static_cast<float>(num - 1));
+    };
+    const float u = at(x, disparity.cols);
+    const float v = at(y, disparity.rows);
+    const int left = std::min(static_cast<int>(u), disparity.cols - 2);
+    const int top = std::min(static_cast<int>(v), disparity.rows - 2);
+    const float right_part = u - static_cast<float>(left);
+    const float lower_part = v - static_cast<float>(top);
+    const float nearest =
+        trusted(left + (right_part < 0.5F ? 0 : 1), top + (lower_part < 0.5F ? 0 : 1));
+    if (nearest <= 0.0F) return {};
+    float weights = 0.0F;
+    float sum = 0.0F;
+    float sum_sigma = 0.0F;
+    for (const int j : {0, 1})
+        for (const int i : {0, 1}) {
+            const float d = trusted(left + i, top + j);
+            if (d <= 0.0F || std::abs(d - nearest) > 1.0F) continue;
+            const float weight = (i == 0 ? 1.0F - right_part : right_part) *
+                                 (j == 0 ? 1.0F - lower_part : lower_part);
+            weights += weight;
+            sum += weight * d;
+            sum_sigma += weight * half.sigma_disparity_px.at<float>(top + j, left + i);
+        }
+    return {2.0F * sum / weights, std::max(2.0F * sum_sigma / weights, 0.15F)};
+}
+
+Estimate expected(const Estimate& full, const Estimate& half) {
+    if (half.disparity_px <= 0.0F) return full;
+    if (full.disparity_px <= 0.0F) {
+        const float sigma = std::sqrt(half.sigma_px * half.sigma_px + 1.0F);
+        return sigma > 3.0F ? Estimate{} : Estimate{half.disparity_px, sigma};
+    }
+    const float difference = half.disparity_px - full.disparity_px;
+    const auto raised = [&](float sigma) {
+        const float disagreement = 0.5F * difference;
+        return std::min(3.0F, std::sqrt(sigma * sigma + disagreement * disagreement));
+    };
+    const bool is_certain = full.sigma_px <= 0.75F;
+    if (is_certain && std::abs(difference) <= 1.0F) return full;
+    const float of_full = full.sigma_px * full.sigma_px;
+    const float of_half = half.sigma_px * half.sigma_px;
+    const float of_both = of_full + of_half;
+    if (is_certain || difference * difference >= 6.25F * of_both)
+        return {full.disparity_px, raised(full.sigma_px)};
+    return {full.disparity_px + difference * of_full / of_both,
+            std::max(0.15F, raised(std::sqrt(of_full * of_half / of_both)))};
+}
+
+// Surfaces at several depths with holes; disparities and sigmas at random around every threshold.
+types::DepthMap rough(cv::Size size, float scale, std::uint64_t seed) {
+    cv::RNG random(seed);
+    types::DepthMap depth{cv::Mat(size, CV_32F), cv::Mat(size, CV_32F)};
+    for (int y = 0; y < size.height; ++y)
+        for (int x = 0; x < size.width; ++x) {
+            const int patch = static_cast<int>(scale) * (x / 23 + 5 * (y / 19));
+            const float base_px =
+                30.0F + static_cast<float>(patch % 4) * random.uniform(0.0F, 1.3F);
+            const bool known = random.uniform(0.0F, 1.0F) < 0.8F;
+            depth.disparity_px.at<float>(y, x) =
+                known ? (base_px + random.uniform(-1.0F, 1.0F)) / scale : 0.0F;
+            depth.sigma_disparity_px.at<float>(y, x) =
+                known ? random.uniform(0.05F, 2.0F) / scale : 0.0F;
+        }
+    return depth;
+}
+
+TEST(CombineScales, GivesTheBytesOfItsDefinitionOnEveryInstructionSet) {
+    for (const cv::Size size : {cv::Size(160, 96), cv::Size(163, 97), cv::Size(86, 81)}) {
+        const types::DepthMap half = rough({size.width / 2, size.height / 2}, 2.0F, 4);
+        const types::DepthMap before = rough(size, 1.0F, 9);
+        types::DepthMap reference{before.disparity_px.clone(), before.sigma_disparity_px.clone()};
+        int num_changed = 0;
+        for (int y = 0; y < size.height; ++y)
+            for (int x = 0; x < size.width; ++x) {
+                float& disparity = reference.disparity_px.at<float>(y, x);
+                float& sigma = reference.sigma_disparity_px.at<float>(y, x);
+                const Estimate result = expected({disparity, sigma}, half_at(half, x, y));
+                num_changed += result.sigma_px == sigma ? 0 : 1;
+                disparity = result.disparity_px;
+                sigma = result.sigma_px;
+            }
+        ASSERT_GT(num_changed, size.area() / 8);
+        ASSERT_LT(num_changed, size.area());
+        for (const auto set : {base::Instructions::Baseline, base::best_instructions()}) {
+            types::DepthMap depth{before.disparity_px.clone(), before.sigma_disparity_px.clone()};
+            combine_scales(half, depth, set);
+            EXPECT_EQ(cv::norm(depth.disparity_px, reference.disparity_px, cv::NORM_INF), 0.0);
+            EXPECT_EQ(
+                cv::norm(depth.sigma_disparity_px, reference.sigma_disparity_px, cv::NORM_INF),
+                0.0);
+        }
+    }
 }
 
 // As in haze: the contrast of the surface is no larger than the noise.
