@@ -27,8 +27,8 @@ std::vector<types::TrackingSegment> segments_of(const types::Trajectory& traject
 // segments.
 std::size_t number_of_largest(const std::vector<types::TrackingSegment>& segments);
 
-// Returns the poses of a path of the dive, final or causal, that lie within the segment that has the
-// most frames; all of them if there are fewer than two segments.
+// Returns the poses of a path of the dive, final or causal, that lie within the segment that has
+// the most frames; all of them if there are fewer than two segments.
 types::Trajectory within_largest(const types::Trajectory& trajectory,
                                  const std::vector<types::TrackingSegment>& segments);
 
