@@ -38,10 +38,15 @@ float height_sigma_m(const types::Mesh& mesh, std::uint32_t vertex) {
 
 class Mapper {
 public:
-    Mapper(const Surveyed& a, const Surveyed& b, const CoRegistration& registration, ChangeMap& map)
+    Mapper(const Surveyed& a,
+           const Surveyed& b,
+           const CoRegistration& registration,
+           double reach_m,
+           ChangeMap& map)
         : a_(a),
           b_(b),
           registration_(registration),
+          reach_m_(static_cast<float>(reach_m)),
           map_(map),
           raster_a_(rasterise(a.mesh, map.grid)),
           raster_b_(rasterise(b.mesh, map.grid)) {}
@@ -76,9 +81,7 @@ public:
             return;
         const std::uint32_t vertex_a = nearest_corner(a_.mesh, raster_a_, row, column);
         const std::uint32_t vertex_b = nearest_corner(b_.mesh, raster_b_, row, column);
-        if (!confirmed(a_.distances[vertex_a], change) ||
-            !confirmed(b_.distances[vertex_b], change))
-            return;
+        if (!confirmed(a_.distances[vertex_a], b_.distances[vertex_b], change)) return;
         map_.state.at<std::uint8_t>(row, column) =
             static_cast<std::uint8_t>(change > 0.0F ? CellState::Grown : CellState::Lost);
     }
@@ -101,9 +104,15 @@ public:
     }
 
 private:
-    static bool confirmed(const M3c2Distance& distance, float change) {
-        return !distance.known() ||
-               (distance.significant() && (distance.distance_m > 0.0F) == (change > 0.0F));
+    // A surface alone may have no distance: the normal at the flank of a new coral misses the other
+    // dive's ground.
+    bool confirmed(const M3c2Distance& of_a, const M3c2Distance& of_b, float change) const {
+        const auto agrees = [&](const M3c2Distance& distance) {
+            return !distance.known() ||
+                   (distance.significant() && (distance.distance_m > 0.0F) == (change > 0.0F));
+        };
+        return agrees(of_a) && agrees(of_b) &&
+               (of_a.known() || of_b.known() || std::abs(change) > reach_m_);
     }
     float registration_sigma_m(int row, int column, std::uint32_t vertex_a) const {
         const Eigen::Vector2d place = map_.grid.center(row, column);
@@ -117,6 +126,7 @@ private:
     const Surveyed& a_;
     const Surveyed& b_;
     const CoRegistration& registration_;
+    float reach_m_;
     ChangeMap& map_;
     SurfaceRaster raster_a_;
     SurfaceRaster raster_b_;
@@ -131,25 +141,24 @@ double ChangeMap::area_m2(CellState wanted) const {
 ChangeMap map_changes(const Surveyed& a,
                       const Surveyed& b,
                       const CoRegistration& registration,
-                      const RasterGrid& grid,
-                      double scale_m,
-                      int num_threads) {
+                      const MapOptions& options) {
+    const RasterGrid& grid = options.grid;
     const auto of = [&](int type, double value) {
         return cv::Mat(grid.rows, grid.columns, type, cv::Scalar::all(value));
     };
     const auto nothing = static_cast<double>(kNothing);
     ChangeMap map{
         grid, of(CV_8U, 0.0), of(CV_32F, nothing), of(CV_32F, nothing), of(CV_32F, nothing)};
-    const Mapper mapper(a, b, registration, map);
+    const Mapper mapper(a, b, registration, options.reach_m, map);
     const auto each_cell = [&](const auto& work) {
         base::for_each_index(
-            num_threads, static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
+            options.num_threads, static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
                 for (int column = 0; column < grid.columns; ++column)
                     work(static_cast<int>(row), column);
             });
     };
     each_cell([&](int row, int column) { mapper.measure(row, column); });
-    mapper.scale(scale_m);
+    mapper.scale(options.scale_m);
     each_cell([&](int row, int column) { mapper.decide(row, column); });
     for (const bool of_b : {false, true}) {  // one index in memory at a time
         const Surveyed& looking = of_b ? b : a;

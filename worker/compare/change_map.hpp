@@ -44,15 +44,22 @@ struct Surveyed {
     const std::optional<Views>& views;           // into this frame; nullopt: not checked
 };
 
+struct MapOptions {
+    RasterGrid grid;
+    double scale_m = 0.05;  // over which the scatter of ground of a kind is taken
+    double reach_m = 0.5;   // of the M3C2 distances; larger changes are vertical differences alone
+    int num_threads = 0;
+};
+
 // Returns the map of changes. A cell has changed if three conditions hold: the vertical difference
 // exceeds its own level of detection (the scatter of such ground over `scale_m`: scale_by_scatter);
-// every M3C2 distance known there, from either surface, is significant with the same sign; and the
-// dive that lacks the higher surface looked through it at the ground behind.
+// the M3C2 distances there, one from each surface, confirm it; and the dive that lacks the higher
+// surface looked through it at the ground behind. Distances confirm a change if one of them at
+// least is known, and each that is known is significant with the same sign. With neither known, no
+// change is detected, unless it is larger than the distances reach.
 ChangeMap map_changes(const Surveyed& a,
                       const Surveyed& b,
                       const CoRegistration& registration,
-                      const RasterGrid& grid,
-                      double scale_m,
-                      int num_threads);
+                      const MapOptions& options);
 
 }  // namespace divemesh::compare

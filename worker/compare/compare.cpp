@@ -126,8 +126,10 @@ Distances measure(const types::Mesh& a,
     const auto cube_m = static_cast<float>(options.cylinder_m);
     const PointGrid grid_a(a.vertices, cube_m);
     const PointGrid grid_b(b.vertices, cube_m);
-    const SurfacePoints points_a{a.vertices, a.normals, a.sigma_m, grid_a};
-    const SurfacePoints points_b{b.vertices, b.normals, b.sigma_m, grid_b};
+    const std::vector<float> spacing_a = mesh::vertex_spacing_m(a);
+    const std::vector<float> spacing_b = mesh::vertex_spacing_m(b);
+    const SurfacePoints points_a{a.vertices, a.normals, a.sigma_m, grid_a, spacing_a};
+    const SurfacePoints points_b{b.vertices, b.normals, b.sigma_m, grid_b, spacing_b};
     const M3c2Options m3c2{
         .normal_scale_m = static_cast<float>(options.normal_scale_m),
         .cylinder_m = cube_m,
@@ -248,9 +250,10 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
     ChangeMap map = map_changes({pair.a, distances.of_a, views_a},
                                 {pair.b, distances.of_b, views_b},
                                 registration,
-                                grid,
-                                options.cylinder_m,
-                                threads);
+                                {.grid = grid,
+                                 .scale_m = options.cylinder_m,
+                                 .reach_m = options.reach_m,
+                                 .num_threads = threads});
     changing.at(0.8);
     const Changes changes =
         gather_changes(map,
