@@ -38,14 +38,9 @@ float height_sigma_m(const types::Mesh& mesh, std::uint32_t vertex) {
 
 class Mapper {
 public:
-    Mapper(const Surveyed& a,
-           const Surveyed& b,
-           const CoRegistration& registration,
-           double reach_m,
-           ChangeMap& map)
+    Mapper(const Surveyed& a, const Surveyed& b, double reach_m, ChangeMap& map)
         : a_(a),
           b_(b),
-          registration_(registration),
           reach_m_(static_cast<float>(reach_m)),
           map_(map),
           raster_a_(rasterise(a.mesh, map.grid)),
@@ -64,10 +59,11 @@ public:
             raster_b_.height_m.at<float>(row, column) - raster_a_.height_m.at<float>(row, column);
         const float sigma =
             std::hypot(height_sigma_m(a_.mesh, vertex_a), height_sigma_m(b_.mesh, vertex_b));
-        const float registration = registration_sigma_m(row, column, vertex_a);
         map_.change_m.at<float>(row, column) = change;
         map_.sigma_m.at<float>(row, column) = sigma;
-        map_.registration_m.at<float>(row, column) = registration;
+        map_.later_surface.at<cv::Vec3f>(row, column) = surface_at(row, column, vertex_b);
+        map_.registration_m.at<float>(row, column) =
+            static_cast<float>(map_.registration_sigma(map_.change_by_motion(row, column)));
     }
 
     void scale(double scale_m) const { scale_by_scatter(map_, raster_a_, raster_b_, scale_m); }
@@ -114,18 +110,15 @@ private:
         return agrees(of_a) && agrees(of_b) &&
                (of_a.known() || of_b.known() || std::abs(change) > reach_m_);
     }
-    float registration_sigma_m(int row, int column, std::uint32_t vertex_a) const {
-        const Eigen::Vector2d place = map_.grid.center(row, column);
-        const auto height = static_cast<double>(raster_a_.height_m.at<float>(row, column));
-        const Eigen::Vector3f normal = a_.mesh.normals[vertex_a];
-        const double along =
-            registration_.sigma_m({place.x(), place.y(), height}, normal.cast<double>());
-        return static_cast<float>(along) / std::max(kMinNormalZ, std::abs(normal.z()));
+    // Returns the slopes and the height of b, which is what the co-registration moves.
+    cv::Vec3f surface_at(int row, int column, std::uint32_t vertex_b) const {
+        const Eigen::Vector3f normal = b_.mesh.normals[vertex_b];
+        const float up = std::copysign(std::max(kMinNormalZ, std::abs(normal.z())), normal.z());
+        return {-normal.x() / up, -normal.y() / up, raster_b_.height_m.at<float>(row, column)};
     }
 
     const Surveyed& a_;
     const Surveyed& b_;
-    const CoRegistration& registration_;
     float reach_m_;
     ChangeMap& map_;
     SurfaceRaster raster_a_;
@@ -138,6 +131,16 @@ double ChangeMap::area_m2(CellState wanted) const {
     return cv::countNonZero(state == static_cast<int>(wanted)) * grid.cell_m * grid.cell_m;
 }
 
+Vector6d ChangeMap::change_by_motion(int row, int column) const {
+    const auto& surface = later_surface.at<cv::Vec3f>(row, column);
+    const Eigen::Vector2d place = grid.center(row, column);
+    const Eigen::Vector3d lever_m =
+        Eigen::Vector3d(place.x(), place.y(), static_cast<double>(surface[2])) - pivot;
+    // A shift along x carries lower or higher ground to the cell.
+    return motion_along(lever_m,
+                        {-static_cast<double>(surface[0]), -static_cast<double>(surface[1]), 1.0});
+}
+
 ChangeMap map_changes(const Surveyed& a,
                       const Surveyed& b,
                       const CoRegistration& registration,
@@ -147,9 +150,15 @@ ChangeMap map_changes(const Surveyed& a,
         return cv::Mat(grid.rows, grid.columns, type, cv::Scalar::all(value));
     };
     const auto nothing = static_cast<double>(kNothing);
-    ChangeMap map{
-        grid, of(CV_8U, 0.0), of(CV_32F, nothing), of(CV_32F, nothing), of(CV_32F, nothing)};
-    const Mapper mapper(a, b, registration, options.reach_m, map);
+    ChangeMap map{.grid = grid,
+                  .state = of(CV_8U, 0.0),
+                  .change_m = of(CV_32F, nothing),
+                  .sigma_m = of(CV_32F, nothing),
+                  .registration_m = of(CV_32F, nothing),
+                  .later_surface = of(CV_32FC3, nothing),
+                  .pivot = registration.pivot,
+                  .registration_covariance = registration.covariance};
+    const Mapper mapper(a, b, options.reach_m, map);
     const auto each_cell = [&](const auto& work) {
         base::for_each_index(
             options.num_threads, static_cast<std::size_t>(grid.rows), [&](std::size_t row) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <opencv2/core/mat.hpp>
 #include <optional>
@@ -30,7 +32,18 @@ struct ChangeMap {
     cv::Mat change_m;        // CV_32F, height of b over a; NaN unless both dives saw the cell
     cv::Mat sigma_m;         // CV_32F, of `change_m` without the co-registration's part
     cv::Mat registration_m;  // CV_32F, standard deviation of that part
+    cv::Mat later_surface;   // CV_32FC3: slopes of b's surface along x and y, and its height, m
+    // Of the co-registration: of a small rotation (rad) and shift (m) of b about a point.
+    Eigen::Vector3d pivot = Eigen::Vector3d::Zero();
+    Matrix6d registration_covariance = Matrix6d::Zero();
 
+    // Returns by how much a rotation and a shift of b change a cell, per rad and m. The error of
+    // the co-registration is one motion of all cells, so those of a sum are added with their signs.
+    Vector6d change_by_motion(int row, int column) const;
+    // Returns the standard deviation, by the co-registration, of a cell or of a sum over cells.
+    double registration_sigma(const Vector6d& by_motion) const {
+        return std::sqrt(std::max(0.0, by_motion.dot(registration_covariance * by_motion)));
+    }
     CellState at(int row, int column) const {
         return static_cast<CellState>(state.at<std::uint8_t>(row, column));
     }
