@@ -6,12 +6,14 @@
 
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
+#include "cli/findings_text.hpp"
 #include "cli/follow.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/jobs_by_server.hpp"
 #include "cli/server_options.hpp"
 #include "cli/text.hpp"
 #include "schemas/error.hpp"
+#include "schemas/json.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -50,7 +52,10 @@ std::string summary(const nlohmann::json& document) {
                         scaled(total.at("volume_m3"), 1e3, "l"),
                         scaled(total.at("area_m2"), 1.0, "m2")});
     }
-    return text + table_text(rows);
+    std::string findings;
+    for (const nlohmann::json& finding : document.value("findings", nlohmann::json::array()))
+        findings += finding_text(finding.get<Finding>());
+    return text + table_text(rows) + findings;
 }
 
 int run(const compare::CompareRequest& request, const Context& context) {

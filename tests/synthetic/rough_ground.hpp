@@ -80,4 +80,15 @@ inline types::Mesh moved(types::Mesh mesh, const Eigen::Isometry3d& T) {
     return mesh;
 }
 
+// Returns both surfaces in one mesh, those of `b` after those of `a`.
+inline types::Mesh joined(types::Mesh a, const types::Mesh& b) {
+    const auto first = static_cast<std::uint32_t>(a.vertices.size());
+    a.vertices.insert(a.vertices.end(), b.vertices.begin(), b.vertices.end());
+    a.normals.insert(a.normals.end(), b.normals.begin(), b.normals.end());
+    a.sigma_m.insert(a.sigma_m.end(), b.sigma_m.begin(), b.sigma_m.end());
+    for (const auto& [i, j, k] : b.triangles)
+        a.triangles.push_back({i + first, j + first, k + first});
+    return a;
+}
+
 }  // namespace divemesh::synthetic

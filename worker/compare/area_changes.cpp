@@ -69,7 +69,7 @@ public:
         const ChangeMap part_of_map = window_of(map_, window);
         const ChangeSums rest = sum_over(part_of_map, seen & (changes_.number(window) == 0));
         const double rest_sigma_m3 =
-            std::hypot(noise_m3(rest, changes_.noise), registration_m3(rest));
+            std::hypot(noise_m3(rest, changes_.noise), map_.registration_sigma(rest.by_motion));
         for (const bool grown : {true, false}) {
             const double sign = grown ? 1.0 : -1.0;
             const Part part = of_patches(window, seen, grown);
@@ -77,7 +77,8 @@ public:
             const double value = std::max(0.0, sign * sums.volume_m3);
             const double half =
                 part.num_sigma *
-                std::hypot(noise_m3(sums, changes_.noise), registration_m3(sums) + part.outline_m3);
+                std::hypot(noise_m3(sums, changes_.noise),
+                           map_.registration_sigma(sums.by_motion) + part.outline_m3);
             const double undetected =
                 std::max(0.0, sign * rest.volume_m3 + stats::kNormal975 * rest_sigma_m3);
             metrics.push_back(change_json(
@@ -86,10 +87,12 @@ public:
                 {value, std::max(0.0, value - half), value + half + undetected}));
         }
         const ChangeSums net = sum_over(part_of_map, seen);
-        metrics.push_back(change_json(
-            whose,
-            {"net_volume", "m3", "rise minus fall of all ground that both dives saw"},
-            interval(net.volume_m3, noise_m3(net, changes_.noise), registration_m3(net))));
+        metrics.push_back(
+            change_json(whose,
+                        {"net_volume", "m3", "rise minus fall of all ground that both dives saw"},
+                        interval(net.volume_m3,
+                                 noise_m3(net, changes_.noise),
+                                 map_.registration_sigma(net.by_motion))));
     }
 
 private:

@@ -38,10 +38,10 @@ float height_sigma_m(const types::Mesh& mesh, std::uint32_t vertex) {
 
 class Mapper {
 public:
-    Mapper(const Surveyed& a, const Surveyed& b, const CoRegistration& registration, ChangeMap& map)
+    Mapper(const Surveyed& a, const Surveyed& b, double reach_m, ChangeMap& map)
         : a_(a),
           b_(b),
-          registration_(registration),
+          reach_m_(static_cast<float>(reach_m)),
           map_(map),
           raster_a_(rasterise(a.mesh, map.grid)),
           raster_b_(rasterise(b.mesh, map.grid)) {}
@@ -59,10 +59,11 @@ public:
             raster_b_.height_m.at<float>(row, column) - raster_a_.height_m.at<float>(row, column);
         const float sigma =
             std::hypot(height_sigma_m(a_.mesh, vertex_a), height_sigma_m(b_.mesh, vertex_b));
-        const float registration = registration_sigma_m(row, column, vertex_a);
         map_.change_m.at<float>(row, column) = change;
         map_.sigma_m.at<float>(row, column) = sigma;
-        map_.registration_m.at<float>(row, column) = registration;
+        map_.later_surface.at<cv::Vec3f>(row, column) = surface_at(row, column, vertex_b);
+        map_.registration_m.at<float>(row, column) =
+            static_cast<float>(map_.registration_sigma(map_.change_by_motion(row, column)));
     }
 
     void scale(double scale_m) const { scale_by_scatter(map_, raster_a_, raster_b_, scale_m); }
@@ -76,9 +77,7 @@ public:
             return;
         const std::uint32_t vertex_a = nearest_corner(a_.mesh, raster_a_, row, column);
         const std::uint32_t vertex_b = nearest_corner(b_.mesh, raster_b_, row, column);
-        if (!confirmed(a_.distances[vertex_a], change) ||
-            !confirmed(b_.distances[vertex_b], change))
-            return;
+        if (!confirmed(a_.distances[vertex_a], b_.distances[vertex_b], change)) return;
         map_.state.at<std::uint8_t>(row, column) =
             static_cast<std::uint8_t>(change > 0.0F ? CellState::Grown : CellState::Lost);
     }
@@ -101,22 +100,26 @@ public:
     }
 
 private:
-    static bool confirmed(const M3c2Distance& distance, float change) {
-        return !distance.known() ||
-               (distance.significant() && (distance.distance_m > 0.0F) == (change > 0.0F));
+    // A surface alone may have no distance: the normal at the flank of a new coral misses the other
+    // dive's ground.
+    bool confirmed(const M3c2Distance& of_a, const M3c2Distance& of_b, float change) const {
+        const auto agrees = [&](const M3c2Distance& distance) {
+            return !distance.known() ||
+                   (distance.significant() && (distance.distance_m > 0.0F) == (change > 0.0F));
+        };
+        return agrees(of_a) && agrees(of_b) &&
+               (of_a.known() || of_b.known() || std::abs(change) > reach_m_);
     }
-    float registration_sigma_m(int row, int column, std::uint32_t vertex_a) const {
-        const Eigen::Vector2d place = map_.grid.center(row, column);
-        const auto height = static_cast<double>(raster_a_.height_m.at<float>(row, column));
-        const Eigen::Vector3f normal = a_.mesh.normals[vertex_a];
-        const double along =
-            registration_.sigma_m({place.x(), place.y(), height}, normal.cast<double>());
-        return static_cast<float>(along) / std::max(kMinNormalZ, std::abs(normal.z()));
+    // Returns the slopes and the height of b, which is what the co-registration moves.
+    cv::Vec3f surface_at(int row, int column, std::uint32_t vertex_b) const {
+        const Eigen::Vector3f normal = b_.mesh.normals[vertex_b];
+        const float up = std::copysign(std::max(kMinNormalZ, std::abs(normal.z())), normal.z());
+        return {-normal.x() / up, -normal.y() / up, raster_b_.height_m.at<float>(row, column)};
     }
 
     const Surveyed& a_;
     const Surveyed& b_;
-    const CoRegistration& registration_;
+    float reach_m_;
     ChangeMap& map_;
     SurfaceRaster raster_a_;
     SurfaceRaster raster_b_;
@@ -128,28 +131,43 @@ double ChangeMap::area_m2(CellState wanted) const {
     return cv::countNonZero(state == static_cast<int>(wanted)) * grid.cell_m * grid.cell_m;
 }
 
+Vector6d ChangeMap::change_by_motion(int row, int column) const {
+    const auto& surface = later_surface.at<cv::Vec3f>(row, column);
+    const Eigen::Vector2d place = grid.center(row, column);
+    const Eigen::Vector3d lever_m =
+        Eigen::Vector3d(place.x(), place.y(), static_cast<double>(surface[2])) - pivot;
+    // A shift along x carries lower or higher ground to the cell.
+    return motion_along(lever_m,
+                        {-static_cast<double>(surface[0]), -static_cast<double>(surface[1]), 1.0});
+}
+
 ChangeMap map_changes(const Surveyed& a,
                       const Surveyed& b,
                       const CoRegistration& registration,
-                      const RasterGrid& grid,
-                      double scale_m,
-                      int num_threads) {
+                      const MapOptions& options) {
+    const RasterGrid& grid = options.grid;
     const auto of = [&](int type, double value) {
         return cv::Mat(grid.rows, grid.columns, type, cv::Scalar::all(value));
     };
     const auto nothing = static_cast<double>(kNothing);
-    ChangeMap map{
-        grid, of(CV_8U, 0.0), of(CV_32F, nothing), of(CV_32F, nothing), of(CV_32F, nothing)};
-    const Mapper mapper(a, b, registration, map);
+    ChangeMap map{.grid = grid,
+                  .state = of(CV_8U, 0.0),
+                  .change_m = of(CV_32F, nothing),
+                  .sigma_m = of(CV_32F, nothing),
+                  .registration_m = of(CV_32F, nothing),
+                  .later_surface = of(CV_32FC3, nothing),
+                  .pivot = registration.pivot,
+                  .registration_covariance = registration.covariance};
+    const Mapper mapper(a, b, options.reach_m, map);
     const auto each_cell = [&](const auto& work) {
         base::for_each_index(
-            num_threads, static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
+            options.num_threads, static_cast<std::size_t>(grid.rows), [&](std::size_t row) {
                 for (int column = 0; column < grid.columns; ++column)
                     work(static_cast<int>(row), column);
             });
     };
     each_cell([&](int row, int column) { mapper.measure(row, column); });
-    mapper.scale(scale_m);
+    mapper.scale(options.scale_m);
     each_cell([&](int row, int column) { mapper.decide(row, column); });
     for (const bool of_b : {false, true}) {  // one index in memory at a time
         const Surveyed& looking = of_b ? b : a;

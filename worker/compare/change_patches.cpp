@@ -46,32 +46,42 @@ struct Undetected {
     double fall_m3 = 0.0;
 };
 
-// Returns the rise (fall) of the blocks beyond what their noise alone would show. Half of the
-// errors are a rise: the positive part of a normal error has the mean s / sqrt(2 pi).
+// Blocks that rose, or those that fell.
+struct Blocks {
+    double volume_m3 = 0.0;                 // positive
+    Vector6d by_motion = Vector6d::Zero();  // as in ChangeSums
+};
+
+// Returns upper bounds of the rise and the fall of the blocks beyond what their noise alone would
+// show. Half of the errors are a rise: the positive part of a normal error has the mean
+// s / sqrt(2 pi). The co-registration moves all blocks that rose by one motion: its tilt matters as
+// far as they lie to one side of the pivot, not as if it raised every block.
 Undetected undetected(const ChangeMap& map, const cv::Mat& counts, const ChangeNoise& noise) {
     constexpr double kMeanPart = 0.398942;
     constexpr double kVariancePart = 0.5 - kMeanPart * kMeanPart;
     const int side = std::max(1, static_cast<int>(std::lround(kBlock_m / map.grid.cell_m)));
     const cv::Rect all(0, 0, counts.cols, counts.rows);
-    Undetected sums;
+    Blocks rose;
+    Blocks fell;
     double expected_m3 = 0.0;
     double variance = 0.0;
-    double shared_m3 = 0.0;
     for (int top = 0; top < counts.rows; top += side)
         for (int left = 0; left < counts.cols; left += side) {
             const cv::Rect block = cv::Rect(left, top, side, side) & all;
             const ChangeSums of_block = sum_over(window_of(map, block), counts(block));
             const double noise_of_block_m3 = noise_m3(of_block, noise);
-            (of_block.volume_m3 > 0.0 ? sums.rise_m3 : sums.fall_m3) +=
-                std::abs(of_block.volume_m3);
+            Blocks& blocks = of_block.volume_m3 > 0.0 ? rose : fell;
+            blocks.volume_m3 += std::abs(of_block.volume_m3);
+            blocks.by_motion += of_block.by_motion;
             expected_m3 += kMeanPart * noise_of_block_m3;
             variance += kVariancePart * noise_of_block_m3 * noise_of_block_m3;
-            shared_m3 += registration_m3(of_block);
         }
-    const double uncertainty_m3 = stats::kNormal975 * std::hypot(std::sqrt(variance), shared_m3);
-    for (double* sum : {&sums.rise_m3, &sums.fall_m3})
-        *sum = std::max(0.0, *sum - expected_m3) + uncertainty_m3;
-    return sums;
+    const auto bound = [&](const Blocks& blocks) {
+        const double sigma_m3 =
+            std::hypot(std::sqrt(variance), map.registration_sigma(blocks.by_motion));
+        return std::max(0.0, blocks.volume_m3 - expected_m3) + stats::kNormal975 * sigma_m3;
+    };
+    return {bound(rose), bound(fell)};
 }
 
 // A patch as found, in a window of the map.
@@ -168,8 +178,9 @@ private:
         changes_.lost.undetected_m3 = missed.fall_m3;
         const ChangeSums sums = sum_over(map_, counts);
         changes_.rest_m2 = sums.area_m2;
-        changes_.rest_m3 =
-            interval(sums.volume_m3, noise_m3(sums, changes_.noise), registration_m3(sums));
+        changes_.rest_m3 = interval(sums.volume_m3,
+                                    noise_m3(sums, changes_.noise),
+                                    map_.registration_sigma(sums.by_motion));
         const int num_beyond = cv::countNonZero(
             (cells_in(map_, CellState::Grown) | cells_in(map_, CellState::Lost)) & counts);
         changes_.beyond_share = num_beyond / std::max(1.0, cv::countNonZero(counts) * 1.0);
@@ -194,7 +205,7 @@ private:
         patch.grown = found.grown;
         patch.area_m2 = area_of(found);
         const double outline = outline_m3(patch.area_m2, sums);
-        const double common = registration_m3(sums) + outline;
+        const double common = map_.registration_sigma(sums.by_motion) + outline;
         patch.num_sigma = num_sigma(sums.area_m2);
         const double value = sign * sums.volume_m3;
         const double half = patch.num_sigma * std::hypot(noise_m3(sums, changes_.noise), common);
@@ -211,7 +222,8 @@ private:
         patch.hidden_m2 =
             cv::countNonZero(about & (not_both | hidden)) * map_.grid.cell_m * map_.grid.cell_m;
         noises_.push_back(noise_m3(sums, changes_.noise));
-        registrations_.push_back(common);
+        outlines_.push_back(outline);
+        by_motion_.push_back(sums.by_motion);
         changes_.patches.push_back(patch);
     }
 
@@ -254,7 +266,8 @@ private:
         for (const bool grown : {true, false}) {
             ChangeTotal& total = grown ? changes_.grown : changes_.lost;
             double noise = 0.0;
-            double registration = 0.0;
+            double outline = 0.0;
+            Vector6d by_motion = Vector6d::Zero();
             double low = 0.0;  // chosen by their apparent change, so their errors have one sign
             for (std::size_t i = 0; i < changes_.patches.size(); ++i) {
                 const ChangePatch& patch = changes_.patches[i];
@@ -263,12 +276,14 @@ private:
                 total.volume_m3.value += patch.volume_m3.value;
                 low += patch.volume_m3.low;
                 noise = std::hypot(noise, patch.num_sigma / stats::kNormal975 * noises_[i]);
-                registration += registrations_[i];
+                outline += outlines_[i];
+                by_motion += by_motion_[i];
                 total.area_m2.value += patch.area_m2.value;
                 total.area_m2.low += patch.area_m2.low;
                 total.area_m2.high += patch.area_m2.high;
             }
-            total.volume_m3 = interval(total.volume_m3.value, noise, registration);
+            total.volume_m3 = interval(
+                total.volume_m3.value, noise, map_.registration_sigma(by_motion) + outline);
             total.volume_m3.low = low;
             total.volume_m3.high += total.undetected_m3;
         }
@@ -281,7 +296,8 @@ private:
     cv::Mat beyond_chance_;  // CV_8U
     std::vector<Found> found_;
     std::vector<double> noises_;
-    std::vector<double> registrations_;
+    std::vector<double> outlines_;
+    std::vector<Vector6d> by_motion_;
     Changes changes_;
 };
 

@@ -13,6 +13,7 @@
 #include "worker/compare/co_register.hpp"
 #include "worker/compare/compare_document.hpp"
 #include "worker/compare/compare_report.hpp"
+#include "worker/compare/compared_segment.hpp"
 #include "worker/io/mesh_check.hpp"
 #include "worker/mesh/mean_edge.hpp"
 #include "worker/stats/distributions.hpp"
@@ -51,7 +52,7 @@ types::Mesh surface_of(const io::ReconstructionFolder& folder) {
                     folder.path().string() +
                         " has no mesh.ply, because it was reconstructed without a surface: "
                         "reconstruct it again with surface=true");
-    types::Mesh mesh = folder.mesh();
+    types::Mesh mesh = compared_surface(folder);
     if (mesh.triangles.empty())
         throw Error(ErrorCode::BadData,
                     (folder.path() / "mesh.ply").string() +
@@ -78,7 +79,7 @@ void move(types::Mesh& mesh, const Eigen::Isometry3d& T) {
     for (Eigen::Vector3f& n : mesh.normals) n = (R * n).normalized();
 }
 
-std::optional<Views> views_in(const std::filesystem::path& folder, const Eigen::Isometry3d& T) {
+std::optional<Views> views_in(const io::ReconstructionFolder& folder, const Eigen::Isometry3d& T) {
     auto views = read_views(folder);
     if (views)
         for (Eigen::Isometry3d& T_cam_world : views->T_cam_world)
@@ -125,8 +126,10 @@ Distances measure(const types::Mesh& a,
     const auto cube_m = static_cast<float>(options.cylinder_m);
     const PointGrid grid_a(a.vertices, cube_m);
     const PointGrid grid_b(b.vertices, cube_m);
-    const SurfacePoints points_a{a.vertices, a.normals, a.sigma_m, grid_a};
-    const SurfacePoints points_b{b.vertices, b.normals, b.sigma_m, grid_b};
+    const std::vector<float> spacing_a = mesh::vertex_spacing_m(a);
+    const std::vector<float> spacing_b = mesh::vertex_spacing_m(b);
+    const SurfacePoints points_a{a.vertices, a.normals, a.sigma_m, grid_a, spacing_a};
+    const SurfacePoints points_b{b.vertices, b.normals, b.sigma_m, grid_b, spacing_b};
     const M3c2Options m3c2{
         .normal_scale_m = static_cast<float>(options.normal_scale_m),
         .cylinder_m = cube_m,
@@ -240,16 +243,17 @@ nlohmann::json compare_reconstructions(const CompareRequest& request,
     const Distances distances =
         measure(pair.a, pair.b, registration, options, threads, stage("measure", 0.4, 0.7));
     const auto changing = stage("change", 0.7, 0.85);
-    const auto views_a = views_in(request.a, Eigen::Isometry3d::Identity());
-    const auto views_b = views_in(request.b, registration.T_a_b);
+    const auto views_a = views_in(pair.folder_a, Eigen::Isometry3d::Identity());
+    const auto views_b = views_in(pair.folder_b, registration.T_a_b);
     const RasterGrid grid = grid_over(pair.a, pair.b, options.cell_m, kMaxCells);
     options.cell_m = grid.cell_m;
     ChangeMap map = map_changes({pair.a, distances.of_a, views_a},
                                 {pair.b, distances.of_b, views_b},
                                 registration,
-                                grid,
-                                options.cylinder_m,
-                                threads);
+                                {.grid = grid,
+                                 .scale_m = options.cylinder_m,
+                                 .reach_m = options.reach_m,
+                                 .num_threads = threads});
     changing.at(0.8);
     const Changes changes =
         gather_changes(map,

@@ -12,7 +12,8 @@ namespace divemesh::compare {
 struct CompareOptions {
     double cell_m = 0.0;          // of the maps; 0: the meshes' mean edge, 5 mm at least
     double normal_scale_m = 0.0;  // over which the ground's normal is taken; 0: 8 cells
-    double cylinder_m = 0.0;      // diameter over which points are averaged; 0: 4 cells
+    double cylinder_m = 0.0;      // diameter over which points are averaged, more on ground that is
+                                  // too coarse for it; 0: 4 cells
     double reach_m = 0.6;         // larger changes are measured along the vertical only
     double least_area_m2 = 0.0;   // of a patch; 0: four cross-sections of the cylinder
 };
@@ -36,10 +37,11 @@ struct CompareRequest {
 // (schemas/compare.schema.json), report.html, changed_mesh.ply (b coloured by change, with the
 // distances), mosaic_difference.png and .json, change_height.png, and with areas area_changes.csv
 // into `out`; returns compare.json. The result does not depend on the number of threads. Stages of
-// the progress: register, measure, change, write. Throws Error{NotFound} or Error{BadData} for
-// folders that are not reconstructions with a surface, Error{Conflict} if the two cannot be aligned
-// (different places, too little overlap, ambiguous ground), Error{InvalidArgument} for options out
-// of range.
+// the progress: register, measure, change, write. Of a dive in several tracking segments only the
+// largest is compared. Throws Error{NotFound} or Error{BadData} for folders that are not
+// reconstructions with a surface or whose segments cannot be told apart, Error{Conflict} if the two
+// cannot be aligned (different places, too little overlap, ambiguous ground),
+// Error{InvalidArgument} for options out of range.
 nlohmann::json compare_reconstructions(
     const CompareRequest& request, const base::ProgressCallback& report = base::ignore_progress);
 

@@ -2,8 +2,11 @@
 
 #include <cmath>
 
+#include "schemas/json.hpp"
 #include "worker/base/angle.hpp"
 #include "worker/compare/change_metric.hpp"
+#include "worker/compare/compare_findings.hpp"
+#include "worker/evaluation/tracking_segments.hpp"
 #include "worker/io/solver_json.hpp"
 #include "worker/stats/distributions.hpp"
 
@@ -17,10 +20,17 @@ json dive_of(const io::ReconstructionFolder& folder) {
     const auto text = [&](const char* path) {
         return metrics.value(json::json_pointer(path), std::string());
     };
-    return {{"name", text("/dive/name")},
-            {"content_sha256", text("/dive/content_sha256")},
-            {"version", text("/version")},
-            {"preset", text("/preset")}};
+    const auto segments = folder.segments();
+    json dive = {{"name", text("/dive/name")},
+                 {"content_sha256", text("/dive/content_sha256")},
+                 {"version", text("/version")},
+                 {"preset", text("/preset")},
+                 {"restrictions", folder.restrictions()},
+                 {"scale_sigma", folder.scale_sigma()},
+                 {"num_segments", segments.size()},
+                 {"segment", evaluation::number_of_largest(segments)}};
+    if (const auto verdict = folder.verdict()) dive["verdict"] = to_string(*verdict);
+    return dive;
 }
 
 json to_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -32,24 +42,29 @@ json to_json(const CoRegistration& fit) {
     const auto bound = [&](int i) {
         return stats::kNormal975 * std::sqrt(std::max(0.0, fit.covariance(i, i)));
     };
-    return {{"method", fit.method},
-            {"T_a_b",
-             {{"position_m", to_json(Eigen::Vector3d(fit.T_a_b.translation()))},
-              {"orientation_wxyz", {q.w(), q.x(), q.y(), q.z()}}}},
-            {"overlap", fit.overlap},
-            {"agreement", fit.agreement},
-            {"tolerance_m", fit.tolerance_m},
-            {"stable_share", fit.stable_share},
-            {"residual_rms_m", fit.residual_rms_m},
-            {"num_patches", fit.num_patches},
-            {"solver", io::to_json(fit.outcome)},
-            {"uncertainty95",
-             {{"about_m", to_json(fit.pivot)},
-              {"x_m", bound(3)},
-              {"y_m", bound(4)},
-              {"z_m", bound(5)},
-              {"tilt_deg", base::kDegPerRad * std::hypot(bound(0), bound(1))},
-              {"heading_deg", base::kDegPerRad * bound(2)}}}};
+    json result = {{"method", fit.method},
+                   {"T_a_b",
+                    {{"position_m", to_json(Eigen::Vector3d(fit.T_a_b.translation()))},
+                     {"orientation_wxyz", {q.w(), q.x(), q.y(), q.z()}}}},
+                   {"overlap", fit.overlap},
+                   {"agreement", fit.agreement},
+                   {"tolerance_m", fit.tolerance_m},
+                   {"stable_share", fit.stable_share},
+                   {"residual_rms_m", fit.residual_rms_m},
+                   {"num_patches", fit.num_patches},
+                   {"solver", io::to_json(fit.outcome)},
+                   {"uncertainty95",
+                    {{"about_m", to_json(fit.pivot)},
+                     {"x_m", bound(3)},
+                     {"y_m", bound(4)},
+                     {"z_m", bound(5)},
+                     {"tilt_deg", base::kDegPerRad * std::hypot(bound(0), bound(1))},
+                     {"heading_deg", base::kDegPerRad * bound(2)}}}};
+    if (fit.scale)
+        result["scale_difference"] = {{"value", fit.scale->value},
+                                      {"sigma", fit.scale->sigma},
+                                      {"lever_m", fit.scale->lever_m}};
+    return result;
 }
 
 json to_json(const ChangeTotal& total) {
@@ -122,7 +137,8 @@ json compare_document(const ComparisonResult& result) {
              {{"area_m2", result.changes.rest_m2},
               {"volume_m3", to_json(result.changes.rest_m3)},
               {"beyond_share", result.changes.beyond_share}}},
-            {"patches", patches}};
+            {"patches", patches},
+            {"findings", compare_findings(result)}};
 }
 
 }  // namespace divemesh::compare

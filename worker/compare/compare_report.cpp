@@ -11,6 +11,7 @@
 #include "worker/report/html_parts.hpp"
 #include "worker/report/html_template.hpp"
 #include "worker/report/svg_plot.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::compare {
 namespace {
@@ -50,8 +51,20 @@ json totals(const json& document) {
     return report::rows_values(rows);
 }
 
+// Adds what a dive's own report says of it.
+void add_dive(const std::string& name, const json& dive, report::HtmlRows& rows) {
+    if (const json verdict = report::verdict_values(dive); !verdict.is_null())
+        rows.emplace_back(name, verdict.at("text").get<std::string>());
+    if (const int num_segments = dive.at("num_segments").get<int>(); num_segments > 1)
+        rows.emplace_back(name + ", segments compared", "1 of " + std::to_string(num_segments));
+    rows.emplace_back(name + ", scale, one standard deviation",
+                      base::significant(100.0 * at(dive, "/scale_sigma"), 2) + " %");
+}
+
 json ground(const json& document) {
     report::HtmlRows rows;
+    add_dive("earlier dive", document.at("a"), rows);
+    add_dive("later dive", document.at("b"), rows);
     rows.emplace_back("seen by both", base::fixed(at(document, "/ground/both_m2"), 2) + " m²");
     rows.emplace_back("by the earlier dive alone",
                       base::fixed(at(document, "/ground/only_a_m2"), 2) + " m²");
@@ -89,6 +102,12 @@ json registration(const json& document) {
     rows.emplace_back("uncertainty (95 %), tilt, heading",
                       base::fixed(at(fit, "/uncertainty95/tilt_deg"), 3) + "°, " +
                           base::fixed(at(fit, "/uncertainty95/heading_deg"), 3) + "°");
+    if (fit.contains("scale_difference"))
+        rows.emplace_back(
+            "scale of the later dive, less that of the earlier (95 %)",
+            base::fixed(100.0 * at(fit, "/scale_difference/value"), 2) + " ± " +
+                base::fixed(100.0 * stats::kNormal975 * at(fit, "/scale_difference/sigma"), 2) +
+                " %");
     rows.emplace_back("independent patches", std::to_string(fit.at("num_patches").get<int>()));
     return report::rows_values(rows);
 }
@@ -240,6 +259,7 @@ std::string compare_report(const CompareReportInput& input) {
          {"patches", patches(document)},
          {"areas", areas(document)},
          {"registration", registration(document)},
+         {"findings", report::findings_values(document.at("findings"))},
          {"noise", report::svg_plot(noise_plot(document))}});
 }
 

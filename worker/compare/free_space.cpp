@@ -6,12 +6,12 @@
 #include <nlohmann/json.hpp>
 
 #include "schemas/error.hpp"
-#include "worker/io/reconstruction_folder.hpp"
+#include "worker/compare/compared_segment.hpp"
 
 namespace divemesh::compare {
 
-std::optional<Views> read_views(const std::filesystem::path& folder) {
-    const auto file = folder / "keyframes.json";
+std::optional<Views> read_views(const io::ReconstructionFolder& folder) {
+    const auto file = folder.path() / "keyframes.json";
     if (!std::filesystem::exists(file)) return std::nullopt;
     std::ifstream stream(file);
     const auto document = nlohmann::json::parse(stream, nullptr, false);
@@ -25,7 +25,7 @@ std::optional<Views> read_views(const std::filesystem::path& folder) {
     } catch (const nlohmann::json::exception& error) {
         throw Error(ErrorCode::BadData, file.string() + ": " + error.what());
     }
-    for (const io::KeyframePose& keyframe : io::ReconstructionFolder(folder).keyframes())
+    for (const io::KeyframePose& keyframe : compared_keyframes(folder))
         views.T_cam_world.push_back(keyframe.T_world_cam.inverse());
     return views;
 }

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <filesystem>
 #include <optional>
 #include <vector>
 
 #include "worker/evaluation/surface_index.hpp"
+#include "worker/io/reconstruction_folder.hpp"
 
 namespace divemesh::compare {
 
@@ -17,9 +17,9 @@ struct Views {
     std::vector<Eigen::Isometry3d> T_cam_world;
 };
 
-// Reads keyframes.json in the folder of a reconstruction; nullopt if the file is missing. Throws
-// Error{BadData} if it is not in our format.
-std::optional<Views> read_views(const std::filesystem::path& folder);
+// Reads the views of the largest tracking segment from keyframes.json; nullopt if the file is
+// missing. Throws Error{BadData} if it is not in our format.
+std::optional<Views> read_views(const io::ReconstructionFolder& folder);
 
 // Returns whether a view looked through point p at the mesh at least `behind_m` behind it: then the
 // dive shows that p was free.

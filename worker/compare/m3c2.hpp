@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "worker/compare/point_grid.hpp"
@@ -15,6 +16,7 @@ struct SurfacePoints {
     const std::vector<Eigen::Vector3f>& normals;  // unit, outward
     const std::vector<float>& sigma_m;            // of each point along its normal; empty: unknown
     const PointGrid& grid;                        // of `points`
+    std::span<const float> spacing_m = {};        // of the points around each; empty: uniform
 };
 
 struct M3c2Options {
@@ -22,7 +24,8 @@ struct M3c2Options {
     float cylinder_m = 0.05F;     // d: diameter
     float reach_m = 0.5F;         // of the cylinder to either side of the core
     float independent_m = 0.0F;   // points nearer to each other than this share their error
-    std::size_t min_points = 4;   // of either surface; with fewer there is no distance
+    // Of either surface. With fewer there is no distance, and so no detection either.
+    std::size_t min_points = 4;
     // Returns the 95 % bound of the co-registration's error along a direction at a point, m; empty:
     // no error.
     std::function<float(const Eigen::Vector3f& p, const Eigen::Vector3f& n)> registration95_m;
@@ -44,7 +47,8 @@ struct M3c2Distance {
 // number of independent points: at most the number of squares of `independent_m` in the cylinder's
 // cross-section. If a surface lies in the cylinder in layers, only the layer nearest to the core
 // counts, and only points that face the same way as the core. Cores are the points of `core`
-// itself, which is a or b.
+// itself, which is a or b. Where the cylinder has too few points, because a surface is sampled more
+// coarsely there, both scales grow to what the spacing of the coarser surface needs.
 std::vector<M3c2Distance> m3c2_distances(const SurfacePoints& core,
                                          const SurfacePoints& a,
                                          const SurfacePoints& b,

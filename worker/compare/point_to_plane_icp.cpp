@@ -14,12 +14,14 @@
 namespace divemesh::compare {
 namespace {
 
-using Vector6d = Eigen::Matrix<double, 6, 1>;
+using Matrix7d = Eigen::Matrix<double, 7, 7>;
+using Vector7d = Eigen::Matrix<double, 7, 1>;
 
 constexpr float kMinNormalCosine = 0.5F;  // between the normals of partners
 constexpr double kMinScale_m = 5e-4;
 constexpr double kSettled_m = 1e-5;
 constexpr std::size_t kMinPartners = 100;
+constexpr double kMinScaleShare = 1e-6;  // of a scale's effect, what no motion of b explains
 
 struct Partner {
     bool found = false;
@@ -77,13 +79,25 @@ double robust_scale(const std::vector<Partner>& partners) {
                                     stats::kSigmasPerMad * stats::upper_median(std::move(sizes)));
 }
 
-struct Fit {
-    Matrix6d information = Matrix6d::Zero();
-    Vector6d gradient = Vector6d::Zero();
-    std::map<std::array<int, 3>, Vector6d> patches;  // gradients by patch
+// Of rotation, shift and scale, in this order. ICP solves for the pose alone.
+struct NormalEquations {
+    Matrix7d information = Matrix7d::Zero();
+    Vector7d gradient = Vector7d::Zero();
+
+    void add(const Vector7d& row, double weight, double residual_m) {
+        information += weight * row * row.transpose();
+        gradient += weight * residual_m * row;
+    }
+};
+
+struct Fit : NormalEquations {
+    std::map<std::array<int, 3>, NormalEquations> patches;
     double squares = 0.0;
     double weights = 0.0;
     std::size_t num_used = 0;
+
+    Matrix6d pose_information() const { return information.topLeftCorner<6, 6>(); }
+    Vector6d pose_gradient() const { return gradient.head<6>(); }
 };
 
 Fit linearise(const std::vector<Partner>& partners,
@@ -98,11 +112,10 @@ Fit linearise(const std::vector<Partner>& partners,
         if (biweight == 0.0) continue;
         const double variance = scale_m * scale_m + partner.sigma_m * partner.sigma_m;
         const double weight = biweight * scale_m * scale_m / variance;
-        Vector6d row;
-        row << (partner.p - pivot).cross(partner.normal), partner.normal;
-        fit.information += weight * row * row.transpose();
-        const Vector6d pull = weight * partner.residual_m * row;
-        fit.gradient += pull;
+        const Eigen::Vector3d lever_m = partner.p - pivot;
+        Vector7d row;
+        row << motion_along(lever_m, partner.normal), lever_m.dot(partner.normal);
+        fit.add(row, weight, partner.residual_m);
         fit.squares += weight * partner.residual_m * partner.residual_m;
         fit.weights += weight;
         fit.num_used += biweight > 0.25;
@@ -111,32 +124,32 @@ Fit linearise(const std::vector<Partner>& partners,
             patch[static_cast<std::size_t>(axis)] =
                 static_cast<int>(std::floor(partner.p[axis] / patch_m));
         patch[2] = 0;  // columns: the same views saw what hangs over the same ground
-        fit.patches.try_emplace(patch, Vector6d::Zero()).first->second += pull;
+        fit.patches[patch].add(row, weight, partner.residual_m);
     }
     return fit;
 }
 
 // Keeps directions that the surface does not determine (e.g. a plane's rotation about its normal).
 Vector6d solve(const Fit& fit) {
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.information);
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.pose_information());
     const Vector6d& values = solver.eigenvalues();
     Vector6d inverse;
     for (int i = 0; i < 6; ++i) inverse[i] = values[i] > 1e-9 * values[5] ? 1.0 / values[i] : 0.0;
     return -(solver.eigenvectors() *
-             (inverse.asDiagonal() * (solver.eigenvectors().transpose() * fit.gradient)));
+             (inverse.asDiagonal() * (solver.eigenvectors().transpose() * fit.pose_gradient())));
 }
 
 // Solves for the rotation about the vertical and the shift only.
 Vector6d solve_upright(const Fit& fit) {
     Vector6d step = Vector6d::Zero();
-    step.tail<4>() =
-        -fit.information.bottomRightCorner<4, 4>().ldlt().solve(fit.gradient.tail<4>());
+    step.tail<4>() = -fit.pose_information().bottomRightCorner<4, 4>().ldlt().solve(
+        fit.pose_gradient().tail<4>());
     return step;
 }
 
 // Returns the inverse of the information; where the surface determines nothing, a large value.
 Matrix6d inverse_information(const Fit& fit) {
-    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.information);
+    const Eigen::SelfAdjointEigenSolver<Matrix6d> solver(fit.pose_information());
     Vector6d inverse;
     for (int i = 0; i < 6; ++i)
         inverse[i] = 1.0 / std::max(solver.eigenvalues()[i], 1e-9 * solver.eigenvalues()[5]);
@@ -146,9 +159,29 @@ Matrix6d inverse_information(const Fit& fit) {
 Matrix6d sandwich(const Fit& fit) {
     const Matrix6d bread = inverse_information(fit);
     Matrix6d meat = Matrix6d::Zero();
-    for (const auto& [patch, pull] : fit.patches) meat += pull * pull.transpose();
+    for (const auto& [place, patch] : fit.patches)
+        meat += patch.gradient.head<6>() * patch.gradient.head<6>().transpose();
     const auto num = static_cast<double>(fit.patches.size());
     return num / std::max(1.0, num - 6.0) * bread * meat * bread;
+}
+
+// Solves for the scale together with the pose. Its standard deviation is the sandwich estimator of
+// that solution.
+std::optional<ScaleDifference> scale_difference(const Fit& fit) {
+    Vector7d direction;  // of the solution: the scale, and the pose that goes with it
+    direction << -inverse_information(fit) * fit.information.topRightCorner<6, 1>(), 1.0;
+    const double left = direction.dot(fit.information.col(6));  // Schur complement
+    if (!(left > kMinScaleShare * fit.information(6, 6))) return std::nullopt;
+    const double value = direction.dot(fit.gradient) / left;
+    double squares = 0.0;
+    for (const auto& [place, patch] : fit.patches) {
+        const Vector7d unexplained = patch.gradient - value * (patch.information * direction);
+        const double part = direction.dot(unexplained) / left;
+        squares += part * part;
+    }
+    const auto num = static_cast<double>(fit.patches.size());
+    return ScaleDifference{
+        value, std::sqrt(num / std::max(1.0, num - 7.0) * squares), std::sqrt(left / fit.weights)};
 }
 
 // Returns the size of the step, RMS of its standard deviations: those of the patches, and at least
@@ -183,9 +216,14 @@ Eigen::Vector3d middle(const std::vector<Partner>& partners) {
 
 }  // namespace
 
-double CoRegistration::sigma_m(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const {
+Vector6d motion_along(const Eigen::Vector3d& lever_m, const Eigen::Vector3d& direction) {
     Vector6d row;
-    row << (p - pivot).cross(direction), direction;
+    row << lever_m.cross(direction), direction;
+    return row;
+}
+
+double CoRegistration::sigma_m(const Eigen::Vector3d& p, const Eigen::Vector3d& direction) const {
+    const Vector6d row = motion_along(p - pivot, direction);
     return std::sqrt(std::max(0.0, row.dot(covariance * row)));
 }
 
@@ -214,6 +252,7 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
         // changes.
         const Vector6d step = reach_m > min_reach_m ? solve_upright(fit) : solve(fit);
         result.covariance = sandwich(fit);
+        result.scale = scale_difference(fit);
         result.num_patches = fit.patches.size();
         result.residual_rms_m = std::sqrt(fit.squares / std::max(1e-12, fit.weights));
         result.stable_share = static_cast<double>(fit.num_used) / static_cast<double>(num_found);

@@ -11,6 +11,18 @@
 namespace divemesh::compare {
 
 using Matrix6d = Eigen::Matrix<double, 6, 6>;
+using Vector6d = Eigen::Matrix<double, 6, 1>;
+
+// Returns by how much a small rotation (rad) and shift (m) moves a point along a direction, per
+// unit of each: [lever x direction, direction]. `lever_m` leads from the pivot to the point.
+Vector6d motion_along(const Eigen::Vector3d& lever_m, const Eigen::Vector3d& direction);
+
+// How much larger b is than a, as far as the aligned surfaces show it.
+struct ScaleDifference {
+    double value = 0.0;    // relative; positive if b is larger
+    double sigma = 0.0;    // standard deviation, from the same patches as that of the pose
+    double lever_m = 0.0;  // RMS change along the normal that a difference of 1 looks like
+};
 
 // The pose of b in a's frame, with its uncertainty.
 struct CoRegistration {
@@ -29,6 +41,7 @@ struct CoRegistration {
     // 1986).
     Matrix6d covariance = Matrix6d::Zero();
     Eigen::Vector3d pivot = Eigen::Vector3d::Zero();
+    std::optional<ScaleDifference> scale;  // nullopt: the surfaces do not show it
     types::SolverOutcome outcome;  // of ICP; costs: weighted mean square of the residuals, m^2
 
     // Returns the standard deviation along a direction at a point, m.

@@ -82,6 +82,26 @@ TEST(CoRegister, ItsUncertaintyHoldsOverManyDraws) {
     EXPECT_GE(num_within, 26);  // 95 % of 30 is 28.5; fewer than 26 occur in 1 % of all trials
 }
 
+TEST(CoRegister, RoughGroundShowsByHowMuchOneSurfaceIsLarger) {
+    const std::vector<float> unknown;
+    for (unsigned draw = 0; draw < 3; ++draw) {
+        const HeightOf ground = rough_ground(40 + draw);
+        const types::Mesh a = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, 2 * draw);
+        types::Mesh b = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, 2 * draw + 1);
+        for (Eigen::Vector3f& p : b.vertices) p *= 1.01F;
+        const PointGrid grid_a(a.vertices, 0.06F);
+        const PointGrid grid_b(b.vertices, 0.06F);
+        const auto fit = point_to_plane_icp({a.vertices, a.normals, unknown, grid_a},
+                                            {b.vertices, b.normals, unknown, grid_b},
+                                            Eigen::Isometry3d::Identity(),
+                                            {.num_threads = 2});
+        ASSERT_TRUE(fit && fit->scale);
+        std::cout << "scale " << fit->scale->value << " +- " << fit->scale->sigma << "\n";
+        EXPECT_NEAR(fit->scale->value, 0.01, 0.001);
+        EXPECT_LT(fit->scale->sigma, 0.001);
+    }
+}
+
 TEST(CoRegister, RefusesAnotherPlace) {
     const types::Mesh a = ground_mesh(rough_ground(3), 1.7, 1.3, kStep_m, kNoise_m, 1);
     for (const unsigned place : {4U, 5U, 6U}) {

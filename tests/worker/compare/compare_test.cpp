@@ -15,6 +15,7 @@
 #include "tests/synthetic/rough_ground.hpp"
 #include "tests/synthetic/small_reconstruction.hpp"
 #include "tests/temporary_folder.hpp"
+#include "worker/types/path_uncertainty.hpp"
 
 namespace divemesh::compare {
 namespace {
@@ -89,16 +90,88 @@ TEST_F(CompareTest, TheSameGroundHasNotChanged) {
     EXPECT_NEAR(document.at("distances").at("median_m").get<double>(), 0.0, 5e-4);
 }
 
-TEST_F(CompareTest, ItsDocumentFitsTheSchema) {
+void expect_fits_the_schema(const json& document) {
     const json text =
         json::parse(std::ifstream(source_directory() / "schemas" / "compare.schema.json"));
     valijson::Schema schema;
     valijson::SchemaParser().populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
-    const json document = compare("a", "b");
     valijson::ValidationResults problems;
     EXPECT_TRUE(valijson::Validator().validate(
         schema, valijson::adapters::NlohmannJsonAdapter(document), &problems))
         << problems.begin()->description << document.dump(1);
+}
+
+// Returns the finding with this code; null without it.
+json finding(const json& document, const std::string& code) {
+    for (const json& one : document.at("findings"))
+        if (one.at("code") == code) return one;
+    return nullptr;
+}
+
+TEST_F(CompareTest, ItsDocumentFitsTheSchema) {
+    const json document = compare("a", "b");
+    expect_fits_the_schema(document);
+    EXPECT_TRUE(document.at("findings").empty()) << document.at("findings");
+}
+
+// The later dive lost the scene. What it saw afterwards, a plate at another place, lies beside the
+// rest, over ground that the earlier dive knows.
+TEST_F(CompareTest, TheMisplacedRestOfADiveInSegmentsIsNoChange) {
+    const HeightOf ground = rough_ground(8);
+    const HeightOf western = [ground](double x, double y) { return ground(x - 0.6, y); };
+    types::Mesh mesh = ground_mesh(western, 1.0, 1.2, kStep_m, kNoise_m, 4);
+    const types::Mesh plate =
+        ground_mesh([](double, double) { return 0.3; }, 0.5, 1.2, kStep_m, kNoise_m, 5);
+    Eigen::Isometry3d to_the_west = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d to_the_east = Eigen::Isometry3d::Identity();
+    to_the_west.translation().x() = -0.6;
+    to_the_east.translation().x() = 1.1;
+    mesh = synthetic::joined(synthetic::moved(mesh, to_the_west),
+                             synthetic::moved(plate, to_the_east));
+    write_reconstruction(
+        *folder_ / "lost",
+        mesh,
+        {{"verdict", "usable_with_restrictions"},
+         {"restrictions", {"path", "scale"}},
+         {"pieces", {synthetic::segment_json(30, 0, 2), synthetic::segment_json(20, 3, 4)}}});
+    synthetic::write_keyframes(*folder_ / "lost", {-1.4, -0.6, 0.2, 1.0, 1.4});
+
+    const json document = compare("a", "lost");
+
+    EXPECT_NEAR(document.at("ground").at("both_m2").get<double>(), 2.0 * 2.4, 0.15);
+    EXPECT_LT(document.at("grown").at("volume_m3").at("high").get<double>(), 0.02);
+    EXPECT_EQ(document.at("b").at("num_segments"), 2);
+    EXPECT_EQ(document.at("b").at("segment"), 0);
+    EXPECT_EQ(document.at("b").at("restrictions"), (json{"path", "scale"}));
+    EXPECT_EQ(finding(document, "dive_in_segments")["where"], "later dive");
+    EXPECT_EQ(finding(document, "dive_restricted")["where"], "later dive");
+    expect_fits_the_schema(document);
+    EXPECT_NE(content(*folder_ / "out2/report.html").find("30 of 50 frames"), std::string::npos);
+}
+
+TEST_F(CompareTest, AScaleThatTheStatedOnesDoNotAllowIsTold) {
+    types::Mesh larger = ground_mesh(rough_ground(8), 1.6, 1.2, kStep_m, kNoise_m, 6);
+    for (Eigen::Vector3f& p : larger.vertices) p *= 1.015F;
+    write_reconstruction(*folder_ / "larger", larger, {{"calibration", {{"scale_sigma", 0.004}}}});
+
+    const json document = compare("a", "larger");
+
+    const json& shown = document.at("registration").at("scale_difference");
+    EXPECT_NEAR(shown.at("value").get<double>(), 0.015, 0.002);
+    EXPECT_LT(shown.at("sigma").get<double>(), 0.002);
+    EXPECT_EQ(document.at("b").at("scale_sigma"), 0.004);
+    EXPECT_EQ(document.at("a").at("scale_sigma"), types::kCalibrationSigma);
+    EXPECT_NE(finding(document, "scales_differ"), nullptr);
+    expect_fits_the_schema(document);
+}
+
+TEST_F(CompareTest, AScaleThatIsKnownLessWellThanTheVolumesIsTold) {
+    write_reconstruction(*folder_ / "vague",
+                         io::read_ply(*folder_ / "b/mesh.ply"),
+                         {{"calibration", {{"scale_sigma", 0.05}}}});
+    const json document = compare("a", "vague");
+    EXPECT_NE(finding(document, "scale_uncertain"), nullptr);
+    EXPECT_EQ(finding(document, "scales_differ"), nullptr);
 }
 
 TEST_F(CompareTest, ThreadsChangeNoByte) {

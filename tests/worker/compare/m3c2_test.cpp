@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/synthetic/rough_ground.hpp"
+#include "worker/mesh/mean_edge.hpp"
 
 namespace divemesh::compare {
 namespace {
@@ -14,6 +15,7 @@ struct Compared {
     double mean_m = 0.0;
     double within = 0.0;  // share of cores whose error is at most the LoD95
     std::size_t num = 0;
+    std::size_t num_unknown = 0;
 };
 
 Compared compare(const types::Mesh& a,
@@ -23,12 +25,16 @@ Compared compare(const types::Mesh& a,
     const PointGrid grid_a(a.vertices, options.cylinder_m);
     const PointGrid grid_b(b.vertices, options.cylinder_m);
     const std::vector<float> unknown;
-    const SurfacePoints points_a{a.vertices, a.normals, unknown, grid_a};
-    const SurfacePoints points_b{b.vertices, b.normals, unknown, grid_b};
+    const std::vector<float> spacing_a = mesh::vertex_spacing_m(a);
+    const std::vector<float> spacing_b = mesh::vertex_spacing_m(b);
+    const SurfacePoints points_a{a.vertices, a.normals, unknown, grid_a, spacing_a};
+    const SurfacePoints points_b{b.vertices, b.normals, unknown, grid_b, spacing_b};
     const auto distances = m3c2_distances(points_a, points_a, points_b, options, 2);
     Compared result;
     for (std::size_t i = 0; i < distances.size(); ++i) {
-        if (!distances[i].known() || a.vertices[i].head<2>().norm() > 0.4F) continue;
+        if (a.vertices[i].head<2>().norm() > 0.4F) continue;
+        result.num_unknown += !distances[i].known();
+        if (!distances[i].known()) continue;
         const double truth = truth_m(a.vertices[i]);
         ++result.num;
         result.mean_m += static_cast<double>(distances[i].distance_m) - truth;
@@ -50,6 +56,30 @@ TEST(M3c2, MeasuresTheKnownOffsetOfATiltedPlane) {
     const auto result = compare(a, b, [&](const Eigen::Vector3f&) { return 0.05 / slope; });
     EXPECT_GT(result.num, 1000U);
     EXPECT_NEAR(result.mean_m, 0.0, 1e-4);
+}
+
+// The ground of either dive, or both, is sampled up to three levels more coarsely than the cylinder
+// of 0.05 m was chosen for.
+TEST(M3c2, MeasuresTheKnownOffsetOfCoarseGroundInAWiderCylinder) {
+    const double slope = std::sqrt(1.0 + 0.3 * 0.3 + 0.2 * 0.2);
+    const HeightOf raised = [](double x, double y) { return kTilted(x, y) + 0.05; };
+    for (const auto& [step_a_m, step_b_m] :
+         {std::pair{0.025, 0.025}, std::pair{0.04, 0.01}, std::pair{0.01, 0.08}}) {
+        const types::Mesh a = ground_mesh(kTilted, 0.8, 0.8, step_a_m, 0.0, 1);
+        const types::Mesh b = ground_mesh(raised, 0.8, 0.8, step_b_m, 0.0, 2);
+        const auto result = compare(a, b, [&](const Eigen::Vector3f&) { return 0.05 / slope; });
+        EXPECT_GT(result.num, 100U) << step_a_m;
+        EXPECT_EQ(result.num_unknown, 0U) << step_a_m << " and " << step_b_m;
+        EXPECT_NEAR(result.mean_m, 0.0, 1e-4) << step_a_m << " and " << step_b_m;
+    }
+}
+
+TEST(M3c2, LevelOfDetectionHoldsOnCoarseGround) {
+    const types::Mesh a = ground_mesh(kTilted, 0.8, 0.8, 0.03, 0.004, 3);
+    const types::Mesh b = ground_mesh(kTilted, 0.8, 0.8, 0.04, 0.006, 4);
+    const auto result = compare(a, b, [](const Eigen::Vector3f&) { return 0.0; });
+    EXPECT_EQ(result.num_unknown, 0U);
+    EXPECT_GT(result.within, 0.8);  // about 25 independent cylinders: standard deviation 4.5 %
 }
 
 TEST(M3c2, LevelOfDetectionHoldsFor95PercentOfNoisyPlanes) {
