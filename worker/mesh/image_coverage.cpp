@@ -123,12 +123,15 @@ std::vector<Expected> expected_depths(const types::RectifiedRig& rig,
     return expected;
 }
 
-// Returns 1 for each pixel of the grid at whose depth there is surface, else 0.
-std::vector<std::uint8_t> covered_pixels(const types::Mesh& mesh,
+enum class Pixel : std::uint8_t { Empty, OtherDepth, Covered };
+
+// Returns what the surface does to each pixel of the grid; where several parts of it project there,
+// the best of them counts.
+std::vector<Pixel> covered_pixels(const types::Mesh& mesh,
                                          const std::vector<Chunk>& chunks,
                                          const GridCamera& camera,
                                          const std::vector<Expected>& expected) {
-    std::vector<std::uint8_t> covered(camera.num_pixels(), 0);
+    std::vector<Pixel> covered(camera.num_pixels(), Pixel::Empty);
     for (const Chunk& chunk : chunks) {
         if (!camera.may_see(chunk)) continue;
         for (std::size_t i = chunk.begin; i < chunk.end; ++i) {
@@ -144,8 +147,10 @@ std::vector<std::uint8_t> covered_pixels(const types::Mesh& mesh,
                            [&](int row, int column, const Eigen::Vector3f&, float inverse_depth) {
                                const std::size_t at =
                                    static_cast<std::size_t>(row) * camera.columns + column;
-                               if (covered[at] == 0 && expected[at].agrees(inverse_depth))
-                                   covered[at] = 1;
+                               if (covered[at] == Pixel::Covered) return;
+                               covered[at] = expected[at].agrees(inverse_depth)
+                                                 ? Pixel::Covered
+                                                 : Pixel::OtherDepth;
                            });
         }
     }
@@ -153,16 +158,16 @@ std::vector<std::uint8_t> covered_pixels(const types::Mesh& mesh,
 }
 
 ImageCoverage coverage_of(std::int64_t timestamp_ns,
-                          const std::vector<std::uint8_t>& covered,
+                          const std::vector<Pixel>& covered,
                           const std::vector<Expected>& expected) {
     std::int64_t num_covered = 0;
     std::int64_t num_matched = 0;
     std::int64_t num_both = 0;
     for (std::size_t i = 0; i < covered.size(); ++i) {
         const bool is_matched = expected[i].depth_m > 0.0F;
-        num_covered += covered[i];
+        num_covered += covered[i] != Pixel::Empty ? 1 : 0;
         num_matched += is_matched ? 1 : 0;
-        num_both += is_matched ? covered[i] : 0;
+        num_both += is_matched && covered[i] == Pixel::Covered ? 1 : 0;
     }
     const auto share = [&](std::int64_t num) {
         return static_cast<double>(num) / static_cast<double>(covered.size());

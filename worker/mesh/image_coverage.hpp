@@ -12,17 +12,16 @@
 namespace divemesh::mesh {
 
 // How much of a keyframe's image the surface fills when seen from there; shares are of its pixels.
-// Where the keyframe has depth, only surface at that depth counts.
 struct ImageCoverage {
     std::int64_t timestamp_ns = 0;
-    double covered_share = 0.0;
+    double covered_share = 0.0;          // by surface at any depth
     double matched_share = 0.0;          // with depth
     double covered_matched_share = 0.0;  // with depth, and surface at that depth
 };
 
 struct CoverageSettings {
     int max_images = 50;
-    // Surface counts within three standard deviations of the depth and two voxels of its range:
+    // Surface is at the depth of a pixel within three standard deviations of the depth and two voxels of its range:
     // those of fusion, between the finest and the coarsest.
     double finest_voxel_m = 0.0;
     double coarsest_voxel_m = 0.0;
