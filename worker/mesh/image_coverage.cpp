@@ -128,9 +128,9 @@ enum class Pixel : std::uint8_t { Empty, OtherDepth, Covered };
 // Returns what the surface does to each pixel of the grid; where several parts of it project there,
 // the best of them counts.
 std::vector<Pixel> covered_pixels(const types::Mesh& mesh,
-                                         const std::vector<Chunk>& chunks,
-                                         const GridCamera& camera,
-                                         const std::vector<Expected>& expected) {
+                                  const std::vector<Chunk>& chunks,
+                                  const GridCamera& camera,
+                                  const std::vector<Expected>& expected) {
     std::vector<Pixel> covered(camera.num_pixels(), Pixel::Empty);
     for (const Chunk& chunk : chunks) {
         if (!camera.may_see(chunk)) continue;
@@ -148,9 +148,8 @@ std::vector<Pixel> covered_pixels(const types::Mesh& mesh,
                                const std::size_t at =
                                    static_cast<std::size_t>(row) * camera.columns + column;
                                if (covered[at] == Pixel::Covered) return;
-                               covered[at] = expected[at].agrees(inverse_depth)
-                                                 ? Pixel::Covered
-                                                 : Pixel::OtherDepth;
+                               covered[at] = expected[at].agrees(inverse_depth) ? Pixel::Covered
+                                                                                : Pixel::OtherDepth;
                            });
         }
     }

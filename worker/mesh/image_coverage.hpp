@@ -21,8 +21,8 @@ struct ImageCoverage {
 
 struct CoverageSettings {
     int max_images = 50;
-    // Surface is at the depth of a pixel within three standard deviations of the depth and two voxels of its range:
-    // those of fusion, between the finest and the coarsest.
+    // Surface is at the depth of a pixel within three standard deviations of the depth and two
+    // voxels of its range: those of fusion, between the finest and the coarsest.
     double finest_voxel_m = 0.0;
     double coarsest_voxel_m = 0.0;
     double mesh_error_m = 0.0;  // by which simplification moved the surface; added
