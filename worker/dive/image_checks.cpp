@@ -62,9 +62,10 @@ Measured measure(int num_frames, const std::function<LoadedPair(int index)>& loa
         }
         const double reference = sharpness(scene);
         const cv::Mat right = reduced(pair->right.image);
-        if (reference > 0.0 && !is_dark(right))
-            measured.sharpness_ratio.push_back(
-                sharpness(is_mosaic ? halved(pair->right.image) : right) / reference);
+        const double other = sharpness(is_mosaic ? halved(pair->right.image) : right);
+        // An image of one tone is blank, not out of focus.
+        if (reference > 0.0 && other > 0.0 && !is_dark(right))
+            measured.sharpness_ratio.push_back(other / reference);
     }
     return measured;
 }

@@ -14,10 +14,8 @@ namespace divemesh::fusion {
 namespace {
 
 constexpr int kAllocationStep_px = 2;
-constexpr float kBeside_voxels = 1.5F;         // farthest sample of a cell that the surface crosses
-constexpr float kMaxStep_voxels = 6.0F;        // max spacing of rays that hit every block
-constexpr float kMinDisparitySigma_px = 0.1F;  // lower bound of all stated values
-constexpr float kMaxSigma_voxels = 6.0F;       // of a depth that may make surface
+constexpr float kBeside_voxels = 1.5F;   // farthest sample of a cell that the surface crosses
+constexpr float kMaxStep_voxels = 6.0F;  // max spacing of rays that hit every block
 constexpr float kMaxFusedSigma_voxels = 10.0F;  // of a sample that is surface
 // Share of a view's variance that all views of a place have in common: at silhouettes and at
 // grazing angles every view is wrong in the same way, so that many vague ones do not make a certain
@@ -39,14 +37,9 @@ float min_weight(double voxel_m) {
     return 1.0F / (sigma_m * sigma_m);
 }
 
-// Returns the voxel by which the noise of surface is judged, in place of the level's own. At fine
-// levels it is that of the median depth, as such surface was seen from farther away too. At coarse
-// ones it grows by a fifth per level: with all of the level's voxel 4.2 % of the barge are farther
-// than 50 mm from the truth, with this 1.8 % (without levels 1.7 %), with that of the median depth
-// alone 4 % of what lies within 20 mm are lost.
+// Returns tolerated_voxels() of a level, m.
 double tolerated_voxel_m(const VolumeSettings& settings, int level) {
-    const int coarser = std::max(0, level - settings.levels->median_level());
-    return settings.median_voxel_m() * std::exp2(0.25 * coarser);
+    return settings.median_voxel_m() * tolerated_voxels(level - settings.levels->median_level());
 }
 
 float truncation_m(const TsdfView& view, float sigma) {
@@ -92,7 +85,7 @@ TsdfView view_of(const types::Keyframe& keyframe,
     view.t_cam_world = T_cam_world.translation();
     view.voxel_m = static_cast<float>(std::ldexp(settings.voxel_m, level));
     view.max_depth_m = static_cast<float>(settings.max_depth_m);
-    view.max_sigma_m = kMaxSigma_voxels * static_cast<float>(tolerated_voxel_m(settings, level));
+    view.max_sigma_m = static_cast<float>(kMaxSigma_voxels * tolerated_voxel_m(settings, level));
     view.depth_sigma_scale = static_cast<float>(1.0 / (rig.focal_px * rig.baseline_m));
     return view;
 }

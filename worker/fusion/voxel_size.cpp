@@ -8,9 +8,6 @@ namespace {
 
 constexpr double kSigmaDisparity_px = 0.15;  // of a textured surface
 constexpr double kPixelsPerVoxel = 2.5;
-constexpr double kMaxSigma_voxels = 6.0;
-constexpr double kMinSigmaDisparity_px = 0.1;  // of any surface
-constexpr double kMaxToleratedVoxel = 1.7;     // of the coarsest level, in voxels at median depth
 
 double sigma_z(const types::RectifiedRig& rig, double depth_m) {
     return depth_m * depth_m * kSigmaDisparity_px / (rig.focal_px * rig.baseline_m);
@@ -35,10 +32,12 @@ double choose_max_depth_m(const types::RectifiedRig& rig, double voxel_m) {
 }
 
 double farthest_surface_m(const types::RectifiedRig& rig, double median_depth_m) {
-    const double max_sigma_m =
-        kMaxSigma_voxels * kMaxToleratedVoxel * choose_voxel_m(rig, median_depth_m);
-    return std::sqrt(max_sigma_m * rig.focal_px * rig.baseline_m / kMinSigmaDisparity_px);
+    const double max_sigma_m = kMaxSigma_voxels * tolerated_voxels(kMaxRelativeLevel) *
+                               choose_voxel_m(rig, median_depth_m);
+    return std::sqrt(max_sigma_m * rig.focal_px * rig.baseline_m / kMinDisparitySigma_px);
 }
+
+double tolerated_voxels(int num_coarser) { return std::exp2(0.25 * std::max(0, num_coarser)); }
 
 int relative_level(const types::RectifiedRig& rig, double median_depth_m, double depth_m) {
     const auto detail_m = [&](double depth) {

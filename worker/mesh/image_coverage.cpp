@@ -110,6 +110,7 @@ std::vector<Expected> expected_depths(const types::RectifiedRig& rig,
             const double disparity_px = static_cast<double>(disparities.at<float>(v, u));
             if (disparity_px <= 0.0) continue;
             const double depth_m = rig.depth_m(disparity_px);
+            if (settings.max_depth_m > 0.0 && depth_m > settings.max_depth_m) continue;
             const double sigma_m = static_cast<double>(depth.sigma_disparity_px.at<float>(v, u)) /
                                    disparity_px * depth_m;
             const double voxel_m = std::clamp(fusion::choose_voxel_m(rig, depth_m),

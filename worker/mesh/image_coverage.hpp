@@ -25,6 +25,7 @@ struct CoverageSettings {
     // voxels of its range: those of fusion, between the finest and the coarsest.
     double finest_voxel_m = 0.0;
     double coarsest_voxel_m = 0.0;
+    double max_depth_m = 0.0;  // farther surface was not wanted, so its depth is unknown; 0: all is
     double mesh_error_m = 0.0;  // by which simplification moved the surface; added
 };
 

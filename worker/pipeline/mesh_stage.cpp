@@ -29,6 +29,8 @@ mesh::CoverageSettings coverage_settings(const Reconstruction& made) {
     mesh::CoverageSettings settings;
     settings.finest_voxel_m = made.voxels.finest_m;
     settings.coarsest_voxel_m = made.voxels.coarsest_m;
+    if (made.options().max_depth_m > 0.0 || made.optimised.max_depth_m > 0.0)
+        settings.max_depth_m = made.max_depth_m;
     if (const auto& error = made.surface.simplification) settings.mesh_error_m = 3.0 * error->rms_m;
     return settings;
 }

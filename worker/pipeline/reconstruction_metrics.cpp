@@ -90,7 +90,9 @@ std::vector<Finding> findings(const Reconstruction& made,
     add(vertical_finding(vertical_known));
     add(shutter_finding(made.refined()));
     if (!made.options().surface) return all;
-    add(left_out_finding(made.cloud.fused, made.max_depth_m, made.voxels, made.options()));
+    ReconstructionOptions fused_with = made.options();
+    if (made.optimised.max_depth_m > 0.0) fused_with.max_depth_m = made.max_depth_m;
+    add(left_out_finding(made.cloud.fused, made.max_depth_m, made.voxels, fused_with));
     add(surface_finding(std::ssize(made.surface.mesh.triangles)));
     if (!made.surface.mesh.triangles.empty())
         add(incomplete_finding(made.coverage, made.surface.cut_by_sigma_m2));

@@ -12,7 +12,7 @@ constexpr std::size_t kMaxSegments = 8;  // listed one by one
 // Of the depth that keyframes measured. Meshes of rendered dives have 0.89 to 0.97 of it, those of
 // buildings and streets with far backgrounds about 0.7: the rest are rims, and depth that no other
 // frame confirms.
-constexpr double kMinCoveredShare = 0.66;
+constexpr double kMinCoveredShare = 0.67;
 
 // Shares of the fused depth. Cameras that look ahead over flat ground have a fifth of their image
 // beyond 2.4 times its median depth, which is the reach of one voxel for all if it is chosen from

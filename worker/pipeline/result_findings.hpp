@@ -32,7 +32,8 @@ std::optional<Finding> vertical_finding(bool vertical_known);
 std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibration);
 
 // Returns a warning if much of the fused depth makes no surface: more than a quarter lies beyond
-// `max_depth_m` (unless the user chose that), or more than half is too far or too uncertain.
+// `max_depth_m` (unless that was limited on purpose), or more than half is too far or too
+// uncertain.
 std::optional<Finding> left_out_finding(const fusion::FusedPixels& pixels,
                                         double max_depth_m,
                                         const VoxelSizes& voxels,

@@ -82,6 +82,9 @@ TEST(ImageCoverage, SurfaceCountsWithinThreeSigmaAndTwoVoxels) {
     EXPECT_EQ(covered(2.13, settings), 1.0);
     EXPECT_EQ(covered(2.25, settings), 0.0);
     EXPECT_EQ(covered(2.25, {.mesh_error_m = 0.1}), 1.0);
+    const auto wall = depth_of([](int, int) { return 2.25; }, 0.5F);
+    EXPECT_FALSE(covered_share_of_matched({coverage(square(9.0F), wall, {.max_depth_m = 2.2})}))
+        << "what is farther was not wanted";
 }
 
 // The plane z = 2 + x, of two triangles: along a ray its depth is 2 / (1 - x / z).

@@ -275,8 +275,8 @@ TEST_F(ReconstructDiveTest, ABrokenImageIsToldByEveryRun) {
     const fs::path broken = *fs::directory_iterator(folder_ / "dive/mav0/cam1/data");
     fs::resize_file(broken, 100);
     cache_ = folder_ / "cache";
-    const auto first = reconstruct("first", {{"voxel_m", 0.02}});
-    const auto again = reconstruct("again", {{"voxel_m", 0.03}});
+    const auto first = reconstruct("first", {{"voxel_m", 0.03}});
+    const auto again = reconstruct("again", {{"voxel_m", 0.03}, {"cloud_spacing_m", 0.05}});
     ASSERT_EQ(reused(again), kept_stages_before("fuse"));
     const auto num_undecodable = [](const nlohmann::json& metrics) {
         return std::ranges::count_if(metrics["findings"], [](const nlohmann::json& finding) {
