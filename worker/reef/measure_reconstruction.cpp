@@ -58,6 +58,7 @@ types::Mesh mesh_to_measure(const io::ReconstructionFolder& reconstruction) {
     return evaluation::with_scale_sigma(
         reconstruction.mesh(),
         reconstruction.trajectory(),
+        reconstruction.segments(),
         evaluation::contradiction_sigma(reconstruction.scale_contradiction()),
         0.0);
 }

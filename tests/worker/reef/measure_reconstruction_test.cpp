@@ -108,7 +108,7 @@ TEST_F(MeasureReconstructionTest, AScaleThatContradictsIsInSizesButRoughensNothi
     const double sigma = evaluation::contradiction_sigma(kContradiction);
     types::Mesh mesh = level_ground(0.01);
     mesh.normals.assign(mesh.vertices.size(), Eigen::Vector3f::UnitZ());
-    mesh = evaluation::with_scale_sigma(std::move(mesh), path(), 0.0, sigma);
+    mesh = evaluation::with_scale_sigma(std::move(mesh), path(), {}, 0.0, sigma);
     EXPECT_GT(mesh.sigma_m[0], 0.05F);
     io::write_ply(folder_ / "mesh.ply", mesh);
     constexpr double kShared_m = 0.001;
