@@ -6,7 +6,7 @@
 #include "schemas/json.hpp"
 #include "schemas/verdict.hpp"
 #include "worker/base/atomic_file.hpp"
-#include "worker/evaluation/scaled_uncertainty.hpp"
+#include "worker/evaluation/mesh_without_contradiction.hpp"
 #include "worker/evaluation/trajectory_error.hpp"
 #include "worker/io/csv_cell.hpp"
 #include "worker/io/trajectory_file.hpp"
@@ -54,15 +54,6 @@ MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction) {
     return options;
 }
 
-types::Mesh mesh_to_measure(const io::ReconstructionFolder& reconstruction) {
-    return evaluation::with_scale_sigma(
-        reconstruction.mesh(),
-        reconstruction.trajectory(),
-        reconstruction.segments(),
-        evaluation::contradiction_sigma(reconstruction.scale_contradiction()),
-        0.0);
-}
-
 AreaSet areas_in_world(const AreaSet& set,
                        const types::Trajectory& estimate,
                        const std::optional<types::Trajectory>& ground_truth) {
@@ -82,7 +73,8 @@ json measure_reconstruction(const MeasureRequest& request) {
     areas = areas_in_world(areas, reconstruction.trajectory(), truth);
     MeasureOptions options = measure_options(reconstruction);
     options.num_threads = request.num_threads;
-    json measured = measure_areas(mesh_to_measure(reconstruction), areas, options);
+    json measured =
+        measure_areas(evaluation::mesh_without_contradiction(reconstruction), areas, options);
     measured["reconstruction"] = judgement_on(reconstruction);
     return measured;
 }
