@@ -46,8 +46,7 @@ MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction) {
     options.focal_px = reconstruction.matched_focal_px();
     options.min_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
     options.is_simplified = reconstruction.is_simplified();
-    options.vertical_is_known =
-        reconstruction.metrics().value(json::json_pointer("/trajectory/vertical_known"), true);
+    options.vertical_is_known = reconstruction.vertical_is_known();
     options.sigma_shared_m =
         number_at(reconstruction.metrics(), "/expected_accuracy/surface/sigma_shared_m");
     options.scale_sigma = reconstruction.scale_sigma();

@@ -214,6 +214,33 @@ TEST_F(CompareTest, AScaleThatContradictsIsNoNoiseOfTheChange) {
     expect_fits_the_schema(document);
 }
 
+TEST_F(CompareTest, AVerticalThatIsNotKnownIsTold) {
+    write_reconstruction(*folder_ / "tilted",
+                         io::read_ply(*folder_ / "b/mesh.ply"),
+                         {{"trajectory", {{"vertical_known", false}}}});
+    const json document = compare("a", "tilted");
+    EXPECT_EQ(finding(document, "vertical_unknown")["where"], "later dive");
+    expect_fits_the_schema(document);
+}
+
+TEST_F(CompareTest, ARefusalNamesTheVerticalThatIsNotKnown) {
+    const HeightOf flat = [](double, double) { return 0.0; };
+    for (const bool known : {true, false}) {
+        write_reconstruction(*folder_ / "flat",
+                             ground_mesh(flat, 0.8, 0.8, kStep_m, kNoise_m, 7),
+                             {{"trajectory", {{"vertical_known", known}}}});
+        try {
+            compare("a", "flat");
+            ADD_FAILURE() << "aligned";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::Conflict);
+            const std::string message = error.what();
+            EXPECT_EQ(message.find("which way is up in the later dive") == std::string::npos, known)
+                << message;
+        }
+    }
+}
+
 TEST_F(CompareTest, ThreadsChangeNoByte) {
     compare("a", "b", 1);
     compare("a", "b", 3);
