@@ -188,9 +188,16 @@ private:
     double tolerance_m_;
 };
 
-[[noreturn]] void refuse(const std::string& reason) {
+[[noreturn]] void refuse(const std::string& reason, const std::string& without_vertical) {
+    const std::string failed = "the two reconstructions cannot be aligned: " + reason;
+    if (!without_vertical.empty())
+        throw Error(ErrorCode::Conflict,
+                    failed + ". The likely cause is that no sensor tells which way is up in " +
+                        without_vertical +
+                        ", so the models may lie tilted to each other. Place three markers that "
+                        "both dives see, or record an IMU, an AHRS or a depth sensor");
     throw Error(ErrorCode::Conflict,
-                "the two reconstructions cannot be aligned: " + reason +
+                failed +
                     ". Compare dives that show the same ground, or place markers there that both "
                     "dives see");
 }
@@ -202,9 +209,13 @@ bool elsewhere(const CoRegistration& p, const CoRegistration& q) {
 // Aligns by shape alone. `of_features` says what became of the image features.
 CoRegistration fit_heights(const Registrar& registrar,
                            const std::vector<CoarseAlignment>& coarse_alignments,
-                           const std::string& of_features) {
+                           const std::string& of_features,
+                           const std::string& without_vertical) {
+    const auto refuse_after_features = [&](const std::string& reason) {
+        refuse(of_features + ", and " + reason, without_vertical);
+    };
     if (!registrar.has_height_spread())
-        refuse(of_features + ", and the ground is too flat to be aligned by its shape");
+        refuse_after_features("the ground is too flat to be aligned by its shape");
     std::vector<CoRegistration> fits;
     for (const CoarseAlignment& guess : coarse_alignments)
         if (const auto fit = registrar.fit(guess)) fits.push_back(*fit);
@@ -212,13 +223,13 @@ CoRegistration fit_heights(const Registrar& registrar,
         const bool first = registrar.holds(p);
         return first != registrar.holds(q) ? first : p.agreement > q.agreement;
     });
-    if (fits.empty()) refuse(of_features + ", and the shape of the ground does not match");
+    if (fits.empty()) refuse_after_features("the shape of the ground does not match");
     const CoRegistration& best = fits.front();
-    if (!registrar.holds(best)) refuse(of_features + ", and " + registrar.reason_against(best));
+    if (!registrar.holds(best)) refuse_after_features(registrar.reason_against(best));
     for (const CoRegistration& other : fits)
         if (registrar.holds(other) && elsewhere(best, other) &&
             other.agreement > kMinAmbiguousShare * best.agreement)
-            refuse(of_features + ", and the shape of the ground fits in two places");
+            refuse_after_features("the shape of the ground fits in two places");
     return best;
 }
 
@@ -244,7 +255,7 @@ CoRegistration co_register(const types::Mesh& a,
     progress.at(0.5);
     const auto coarse_alignments = align_by_heights(a, b, options.num_threads);
     progress.at(0.8);
-    return fit_heights(registrar, coarse_alignments, of_features);
+    return fit_heights(registrar, coarse_alignments, of_features, options.without_vertical);
 }
 
 }  // namespace divemesh::compare

@@ -208,6 +208,15 @@ std::optional<ComparedAreas> areas_of(const CompareRequest& request) {
     return read_compared_areas(*request.areas, request.later_areas);
 }
 
+// Returns which of the dives do not know their vertical, in words; empty if both know it.
+std::string without_vertical(const Pair& pair) {
+    const bool a_knows = pair.folder_a.vertical_is_known();
+    const bool b_knows = pair.folder_b.vertical_is_known();
+    if (a_knows && b_knows) return "";
+    if (!a_knows && !b_knows) return "both dives";
+    return a_knows ? "the later dive" : "the earlier dive";
+}
+
 CoRegistration lay_over(const Pair& pair,
                         const CompareRequest& request,
                         double spacing_m,
@@ -218,7 +227,8 @@ CoRegistration lay_over(const Pair& pair,
                         .num_threads = request.num_threads,
                         .seed = request.seed,
                         .known = align_by_markers(marker_positions(pair.folder_a),
-                                                  marker_positions(pair.folder_b))},
+                                                  marker_positions(pair.folder_b)),
+                        .without_vertical = without_vertical(pair)},
                        progress);
 }
 

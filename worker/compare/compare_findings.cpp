@@ -52,6 +52,21 @@ void add_verdict(const io::ReconstructionFolder& folder,
                         "see the findings in its report.html"});
 }
 
+void add_unknown_vertical(const io::ReconstructionFolder& folder,
+                          const char* dive,
+                          std::vector<Finding>& findings) {
+    if (folder.vertical_is_known()) return;
+    findings.push_back({Severity::Warning,
+                        "vertical_unknown",
+                        dive,
+                        "no sensor tells which way is up in this dive, so its ground may lie "
+                        "tilted in its model: the two may be aligned in a wrong place, and "
+                        "heights, areas and volumes are along z of the earlier dive, which may not "
+                        "be upright",
+                        "check in the report that both dives show the same ground, and record an "
+                        "IMU, an AHRS or a depth sensor on the next dive"});
+}
+
 // Compares the scales by the shared ground: with the sigmas that the dives state, and with the
 // change that a difference looks like.
 void add_scale_difference(const ComparisonResult& result, std::vector<Finding>& findings) {
@@ -104,6 +119,7 @@ std::vector<Finding> compare_findings(const ComparisonResult& result) {
          {std::pair{&result.a, "earlier dive"}, std::pair{&result.b, "later dive"}}) {
         add_segments(*folder, dive, findings);
         add_verdict(*folder, dive, findings);
+        add_unknown_vertical(*folder, dive, findings);
     }
     add_scale_difference(result, findings);
     add_scale_sigma(result, findings);

@@ -8,8 +8,8 @@
 namespace divemesh::compare {
 
 // Returns what a reader of the comparison must know about the two reconstructions: ground that was
-// left out, their restrictions, and scales that differ or are not known well enough for the
-// volumes.
+// left out, their restrictions, an unknown vertical, and scales that differ or are not known well
+// enough for the volumes.
 std::vector<Finding> compare_findings(const ComparisonResult& result);
 
 }  // namespace divemesh::compare

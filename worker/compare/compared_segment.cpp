@@ -5,6 +5,7 @@
 #include <string>
 
 #include "schemas/error.hpp"
+#include "worker/evaluation/mesh_without_contradiction.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
 #include "worker/mesh/mesh_components.hpp"
 
@@ -83,7 +84,7 @@ std::vector<io::KeyframePose> compared_keyframes(const io::ReconstructionFolder&
 }
 
 types::Mesh compared_surface(const io::ReconstructionFolder& folder) {
-    types::Mesh mesh = folder.mesh();
+    types::Mesh mesh = evaluation::mesh_without_contradiction(folder);
     const std::vector<types::TrackingSegment> segments = folder.segments();
     if (segments.size() < 2) return mesh;
     const Extent extent = extent_of_largest(folder, segments);

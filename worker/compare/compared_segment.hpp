@@ -15,8 +15,9 @@ namespace divemesh::compare {
 // version that states none.
 std::vector<io::KeyframePose> compared_keyframes(const io::ReconstructionFolder& folder);
 
-// Returns the surface in mesh.ply that the largest segment saw. Throws Error{BadData} if it cannot
-// be told from the surfaces of the others.
+// Returns the surface in mesh.ply that the largest segment saw, without what a contradicted
+// scale adds to its sigmas: that error is shared, and in no interval of a change. Throws
+// Error{BadData} if the surface cannot be told from those of the others.
 types::Mesh compared_surface(const io::ReconstructionFolder& folder);
 
 }  // namespace divemesh::compare

@@ -100,8 +100,7 @@ void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expe
 void add_surface(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
     if (input.mesh) expected.surface = expected_surface(*input.mesh);
     if (input.optimise.path.is_known())
-        expected.surface_shared_m =
-            optimisation::shared_sigma_m(covering_contradiction(input.optimise.path));
+        expected.surface_shared_m = optimisation::shared_sigma_m(input.optimise.path);
     if (expected.surface) return;
     expected.left_out.push_back(
         {"surface",

@@ -30,7 +30,7 @@ struct ExpectedAccuracyInput {
 // The accuracy of a reconstruction as estimated from its own data, without ground truth. Bounds
 // hold in 95 of 100 dives. If loops were closed and the final trajectory misses them by more than
 // their own sigma, the covariances are scaled up accordingly. Where a measurement of lengths
-// contradicts the path's scale (PathUncertainty::scale_contradiction), they cover both.
+// contradicts the path's scale (PathUncertainty::scale_contradiction), bounds and scale cover both.
 struct ExpectedAccuracy {
     std::optional<double> end_bound_m;      // last position relative to the first pose
     std::optional<double> end_expected_m;   // the same as RMS over many such dives
@@ -43,7 +43,8 @@ struct ExpectedAccuracy {
     std::optional<double> imu_vision_disagreement_deg;  // RMS per frame
     std::optional<double> reprojection_rms_px;
     std::optional<ExpectedSurface> surface;
-    // Part of the sigma by which the poses move the whole surface.
+    // Part of the sigma by which the poses move the whole surface, without the contradiction: that
+    // is in the scale of all lengths.
     std::optional<double> surface_shared_m;
     std::vector<LeftOut> left_out;
     std::vector<Finding> findings;  // checks that contradict the cameras, large bounds

@@ -1,8 +1,11 @@
 #include "worker/evaluation/scaled_uncertainty.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <map>
 
 #include "worker/stats/distributions.hpp"
@@ -19,6 +22,46 @@ void remove(const Eigen::Vector3d& error_m, Eigen::Matrix3d& covariance_m2) {
         covariance_m2 -= std::min(1.0, kMaxShare / sigmas2) * error_m * error_m.transpose();
 }
 
+// Returns which segment a pose belongs to; their number if it belongs to none.
+std::ptrdiff_t segment_at(const std::vector<types::TrackingSegment>& segments,
+                          std::int64_t timestamp_ns) {
+    return std::ranges::find_if(
+               segments,
+               [&](const types::TrackingSegment& of) { return of.contains(timestamp_ns); }) -
+           segments.begin();
+}
+
+// Where the poses of one segment are.
+struct SegmentPlace {
+    Eigen::AlignedBox1d along_x_m;
+    Eigen::Vector3d sum_world_m = Eigen::Vector3d::Zero();
+    double num_poses = 0.0;
+
+    Eigen::Vector3f centre_world() const { return (sum_world_m / num_poses).cast<float>(); }
+};
+
+std::vector<SegmentPlace> places_of(const types::Trajectory& trajectory,
+                                    const std::vector<types::TrackingSegment>& segments) {
+    std::map<std::ptrdiff_t, SegmentPlace> places;
+    for (const types::StampedPose& pose : trajectory) {
+        const Eigen::Vector3d p_world = pose.T_world_imu.translation();
+        SegmentPlace& place = places[segment_at(segments, pose.timestamp_ns)];
+        place.along_x_m.extend(p_world.head<1>());
+        place.sum_world_m += p_world;
+        ++place.num_poses;
+    }
+    std::vector<SegmentPlace> result;
+    for (const auto& [segment, place] : places) result.push_back(place);
+    return result;
+}
+
+const SegmentPlace& nearest_along_x(const std::vector<SegmentPlace>& places, float x_m) {
+    const Eigen::Matrix<double, 1, 1> x(static_cast<double>(x_m));
+    return *std::ranges::min_element(places, {}, [&](const SegmentPlace& place) {
+        return place.along_x_m.squaredExteriorDistance(x);
+    });
+}
+
 }  // namespace
 
 std::vector<Eigen::Vector3d> offsets_from_start(
@@ -29,11 +72,8 @@ std::vector<Eigen::Vector3d> offsets_from_start(
     std::map<std::ptrdiff_t, Eigen::Vector3d> starts_world;
     for (std::size_t i = 0; i < trajectory.size(); ++i) {
         const Eigen::Vector3d p_world = trajectory[i].T_world_imu.translation();
-        const auto segment =
-            std::find_if(segments.begin(), segments.end(), [&](const types::TrackingSegment& of) {
-                return of.contains(trajectory[i].timestamp_ns);
-            });
-        const auto start = starts_world.try_emplace(segment - segments.begin(), p_world).first;
+        const std::ptrdiff_t segment = segment_at(segments, trajectory[i].timestamp_ns);
+        const auto start = starts_world.try_emplace(segment, p_world).first;
         ways[i] = R_first_world * (p_world - start->second);
     }
     return ways;
@@ -55,16 +95,16 @@ types::CovarianceTrack with_scale_sigma(const types::CovarianceTrack& covariance
 
 types::Mesh with_scale_sigma(types::Mesh mesh,
                              const types::Trajectory& trajectory,
+                             const std::vector<types::TrackingSegment>& segments,
                              double from_sigma,
                              double to_sigma) {
     if (mesh.normals.empty() || trajectory.empty() || from_sigma == to_sigma) return mesh;
-    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
-    for (const types::StampedPose& pose : trajectory)
-        centre += pose.T_world_imu.translation() / static_cast<double>(trajectory.size());
-    const auto centre_world = centre.cast<float>().eval();
+    const std::vector<SegmentPlace> places = places_of(trajectory, segments);
     const auto added = static_cast<float>(to_sigma * to_sigma - from_sigma * from_sigma);
     for (std::size_t i = 0; i < mesh.sigma_m.size(); ++i) {
-        const float along_m = mesh.normals[i].normalized().dot(mesh.vertices[i] - centre_world);
+        const Eigen::Vector3f& vertex = mesh.vertices[i];
+        const float along_m = mesh.normals[i].normalized().dot(
+            vertex - nearest_along_x(places, vertex.x()).centre_world());
         const float variance_m2 = mesh.sigma_m[i] * mesh.sigma_m[i] + added * along_m * along_m;
         const float noise_m = mesh.sigma_local_m.empty() ? 0.0F : mesh.sigma_local_m[i];
         mesh.sigma_m[i] = std::max(noise_m, std::sqrt(std::max(0.0F, variance_m2)));

@@ -29,10 +29,13 @@ types::CovarianceTrack with_scale_sigma(const types::CovarianceTrack& covariance
 
 // Returns a mesh with `to_sigma` in place of `from_sigma` as the relative sigma of the scale, which
 // moves a vertex along its offset from the centre of the path: that stays where it is if the path
-// is aligned with the truth by its positions. The sigma of a vertex is along its normal, and never
-// less than its noise.
+// is aligned with the truth by its positions. Each segment has a centre of its own, since segments
+// lie side by side along x at distances that are not measured; a vertex belongs to the one whose
+// poses are nearest along x. Without segments it is one. The sigma of a vertex is along its normal,
+// and never less than its noise.
 types::Mesh with_scale_sigma(types::Mesh mesh,
                              const types::Trajectory& trajectory,
+                             const std::vector<types::TrackingSegment>& segments,
                              double from_sigma,
                              double to_sigma);
 

@@ -209,6 +209,12 @@ std::optional<types::Rig> ReconstructionFolder::rig() const {
     return of_file(folder_ / "metrics.json", [&] { return rig_from_json(metrics_.at(pointer)); });
 }
 
+bool ReconstructionFolder::vertical_is_known() const {
+    return of_file(folder_ / "metrics.json", [&] {
+        return metrics_.value(json::json_pointer("/trajectory/vertical_known"), true);
+    });
+}
+
 double ReconstructionFolder::scale_sigma() const {
     return of_file(folder_ / "metrics.json", [&] {
         return metrics_.value(json::json_pointer("/calibration/scale_sigma"),

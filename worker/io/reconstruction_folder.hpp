@@ -60,6 +60,9 @@ public:
     std::optional<Eigen::Isometry3d> T_imu_cam0() const;
     // Returns the rig that the poses belong to; nullopt for files of older versions.
     std::optional<types::Rig> rig() const;
+    // Returns whether a sensor tells which way is up, so that z is the vertical; true for files of
+    // older versions, which do not state it.
+    bool vertical_is_known() const;
     double scale_sigma() const;  // of all lengths, relative
     // Returns the relative difference of another measurement of lengths that contradicts the scale,
     // as scale_sigma(), covariances() and mesh() contain it; 0: none does.

@@ -26,6 +26,10 @@ std::optional<evaluation::ScaleCheck> by_markers(const Reconstruction& made) {
                                   std::hypot(scale.sigma, made.markers->systematic_scale_sigma)};
 }
 
+std::vector<types::TrackingSegment> segments_of(const types::OptimisedTrack& optimised) {
+    return evaluation::segments_of(optimised.trajectory, optimised.keyframes, optimised.breaks_ns);
+}
+
 // Returns the known distances whose ends are marked in the images, measured with the poses as they
 // are.
 evaluation::KnownDistanceErrors measure_marked_distances(const Reconstruction& made) {
@@ -42,8 +46,7 @@ evaluation::KnownDistanceErrors measure_marked_distances(const Reconstruction& m
         {.trajectory = optimised.trajectory,
          .covariances = covariances,
          .scale_sigma = 0.0,
-         .segments = evaluation::segments_of(
-             optimised.trajectory, optimised.keyframes, optimised.breaks_ns),
+         .segments = segments_of(optimised),
          .readout_time_s = optimised.calibration.applied_readout_time_s()});
 }
 
@@ -60,10 +63,7 @@ types::CovarianceTrack with_scale_sigma(const types::OptimisedTrack& optimised,
                                         double to_sigma) {
     return evaluation::with_scale_sigma(
         optimised.covariances,
-        evaluation::offsets_from_start(
-            optimised.trajectory,
-            evaluation::segments_of(
-                optimised.trajectory, optimised.keyframes, optimised.breaks_ns)),
+        evaluation::offsets_from_start(optimised.trajectory, segments_of(optimised)),
         from_sigma,
         to_sigma);
 }
@@ -97,9 +97,7 @@ evaluation::ScaleSources scale_sources(const Reconstruction& made) {
          .markers = by_markers(made),
          .marked_distances = measure_marked_distances(made),
          .known_distances = known ? &*known : nullptr,
-         .num_segments =
-             evaluation::segments_of(optimised.trajectory, optimised.keyframes, optimised.breaks_ns)
-                 .size()},
+         .num_segments = segments_of(optimised).size()},
         optimised.trajectory,
         optimised.statistics.path,
         optimised.statistics.loops);
@@ -129,7 +127,8 @@ bool cover_contradiction(Reconstruction& made) {
             bar.sigma_m = std::hypot(bar.sigma_m, sigma * bar.measured_m.value_or(0.0));
     if (!surface_wanted(made)) return true;
     types::Mesh& mesh = made.surface.mesh;
-    mesh = evaluation::with_scale_sigma(std::move(mesh), made.optimised.trajectory, 0.0, sigma);
+    mesh = evaluation::with_scale_sigma(
+        std::move(mesh), made.optimised.trajectory, segments_of(made.optimised), 0.0, sigma);
     io::write_ply(made.artifact("mesh.ply"), mesh);
     return true;
 }

@@ -6,7 +6,7 @@
 #include "schemas/json.hpp"
 #include "schemas/verdict.hpp"
 #include "worker/base/atomic_file.hpp"
-#include "worker/evaluation/scaled_uncertainty.hpp"
+#include "worker/evaluation/mesh_without_contradiction.hpp"
 #include "worker/evaluation/trajectory_error.hpp"
 #include "worker/io/csv_cell.hpp"
 #include "worker/io/trajectory_file.hpp"
@@ -46,20 +46,11 @@ MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction) {
     options.focal_px = reconstruction.matched_focal_px();
     options.min_detail_m = 2.0 * number_at(reconstruction.metrics(), "/mesh/voxel_m");
     options.is_simplified = reconstruction.is_simplified();
-    options.vertical_is_known =
-        reconstruction.metrics().value(json::json_pointer("/trajectory/vertical_known"), true);
+    options.vertical_is_known = reconstruction.vertical_is_known();
     options.sigma_shared_m =
         number_at(reconstruction.metrics(), "/expected_accuracy/surface/sigma_shared_m");
     options.scale_sigma = reconstruction.scale_sigma();
     return options;
-}
-
-types::Mesh mesh_to_measure(const io::ReconstructionFolder& reconstruction) {
-    return evaluation::with_scale_sigma(
-        reconstruction.mesh(),
-        reconstruction.trajectory(),
-        evaluation::contradiction_sigma(reconstruction.scale_contradiction()),
-        0.0);
 }
 
 AreaSet areas_in_world(const AreaSet& set,
@@ -81,7 +72,8 @@ json measure_reconstruction(const MeasureRequest& request) {
     areas = areas_in_world(areas, reconstruction.trajectory(), truth);
     MeasureOptions options = measure_options(reconstruction);
     options.num_threads = request.num_threads;
-    json measured = measure_areas(mesh_to_measure(reconstruction), areas, options);
+    json measured =
+        measure_areas(evaluation::mesh_without_contradiction(reconstruction), areas, options);
     measured["reconstruction"] = judgement_on(reconstruction);
     return measured;
 }

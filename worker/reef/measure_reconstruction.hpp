@@ -14,10 +14,6 @@ namespace divemesh::reef {
 // the images in which the surface was matched, voxels) and shared errors (poses, scale).
 MeasureOptions measure_options(const io::ReconstructionFolder& reconstruction);
 
-// Returns the mesh with the sigmas that make its shape uncertain. Another scale would not: it is in
-// the options' scale_sigma.
-types::Mesh mesh_to_measure(const io::ReconstructionFolder& reconstruction);
-
 // Returns areas in the world frame. Areas in the ground truth's frame are transformed by the SE(3)
 // that aligns the reconstruction's poses with the true ones (T_reference_surface). Throws
 // Error{InvalidArgument} if the areas need a ground truth and there is none.

@@ -22,6 +22,13 @@ std::set<std::string> along_vertical(const AreaSet& set) {
     return names;
 }
 
+// Returns whether a metric of an area along the vertical depends on it. The size of a colony lies
+// in the plane of its own corners; the ground that colonies are counted over does not.
+bool needs_vertical(const nlohmann::json& metric) {
+    if (metric["area"] != kWholeModel || !metric.contains("label")) return true;
+    return metric["figure"] == "population_density" || metric["figure"] == "cover";
+}
+
 }  // namespace
 
 AreaSet facing_cameras(AreaSet set, const std::vector<Eigen::Vector3d>& camera_positions_world) {
@@ -45,7 +52,7 @@ void refuse_by_vertical(const AreaSet& set, nlohmann::json& result) {
     for (nlohmann::json& metric : result["figures"]) {
         const std::string figure = metric["figure"];
         if (figure != "slope" && figure != "aspect" &&
-            !names.contains(metric["area"].get<std::string>()))
+            !(names.contains(metric["area"].get<std::string>()) && needs_vertical(metric)))
             continue;
         for (const char* key : {"value", "low", "high", "method"}) metric.erase(key);
         metric["refused"] = kReason;

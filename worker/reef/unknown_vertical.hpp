@@ -14,8 +14,8 @@ namespace divemesh::reef {
 // of the camera nearest to it.
 AreaSet facing_cameras(AreaSet set, const std::vector<Eigen::Vector3d>& camera_positions_world);
 
-// Refuses what depends on the vertical in a result of measure_areas(): metrics of the whole model,
-// slope and aspect, and transects without a normal.
+// Refuses what depends on the vertical in a result of measure_areas(): metrics of the whole model
+// except the sizes of its colonies, slope and aspect, and transects without a normal.
 void refuse_by_vertical(const AreaSet& set, nlohmann::json& result);
 
 }  // namespace divemesh::reef

@@ -5,6 +5,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/evaluation/known_distances.hpp"
+#include "worker/evaluation/mesh_without_contradiction.hpp"
 #include "worker/evaluation/relative_pose_error.hpp"
 #include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/evaluation/surface_index.hpp"
@@ -227,8 +228,8 @@ void Measuring::measure_reef() {
     }
     reef::MeasureOptions options = reef::measure_options(inputs_.reconstruction);
     options.num_threads = request_.num_threads;
-    result_.reef =
-        reef::measure_areas(reef::mesh_to_measure(inputs_.reconstruction), areas, options);
+    result_.reef = reef::measure_areas(
+        evaluation::mesh_without_contradiction(inputs_.reconstruction), areas, options);
 }
 
 void add_distance_errors(json& document) {

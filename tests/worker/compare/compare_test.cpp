@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -15,6 +17,8 @@
 #include "tests/synthetic/rough_ground.hpp"
 #include "tests/synthetic/small_reconstruction.hpp"
 #include "tests/temporary_folder.hpp"
+#include "worker/evaluation/scaled_uncertainty.hpp"
+#include "worker/io/trajectory_file.hpp"
 #include "worker/types/path_uncertainty.hpp"
 
 namespace divemesh::compare {
@@ -172,6 +176,69 @@ TEST_F(CompareTest, AScaleThatIsKnownLessWellThanTheVolumesIsTold) {
     const json document = compare("a", "vague");
     EXPECT_NE(finding(document, "scale_uncertain"), nullptr);
     EXPECT_EQ(finding(document, "scales_differ"), nullptr);
+}
+
+// Another measurement says that all lengths of the later dive are 5 % longer. Far from its path the
+// sigmas of its mesh contain that; the change does not.
+TEST_F(CompareTest, AScaleThatContradictsIsNoNoiseOfTheChange) {
+    const types::Mesh mesh = io::read_ply(*folder_ / "b/mesh.ply");
+    types::Trajectory path(1);
+    path[0].T_world_imu.translation() = Eigen::Vector3d(2.0, 1.0, 1.5);
+    constexpr double kContradiction = 0.05;
+    const double sigma = evaluation::contradiction_sigma(kContradiction);
+    const types::Mesh covering = evaluation::with_scale_sigma(mesh, path, {}, 0.0, sigma);
+    ASSERT_GT(*std::ranges::max_element(covering.sigma_m), 10.0F * kNoise_m);
+    write_reconstruction(
+        *folder_ / "contradicted",
+        covering,
+        {{"calibration",
+          {{"scale_sigma", std::hypot(0.002, sigma)}, {"scale_contradiction", kContradiction}}}});
+    io::write_tum(*folder_ / "contradicted/trajectory.tum", path);
+
+    const json expected = compare("a", "b");
+    const json document = compare("a", "contradicted");
+
+    const auto expect_same = [&](const char* pointer) {
+        const json::json_pointer place(pointer);
+        const double value = expected.at(place).get<double>();
+        EXPECT_NEAR(document.at(place).get<double>(), value, 0.01 * std::abs(value)) << pointer;
+    };
+    for (const char* pointer : {"/distances/median_lod95_m",
+                                "/distances/level_factor",
+                                "/grown/volume_m3/low",
+                                "/grown/volume_m3/high",
+                                "/lost/volume_m3/low",
+                                "/lost/volume_m3/high"})
+        expect_same(pointer);
+    EXPECT_NE(finding(document, "scale_uncertain"), nullptr);
+    expect_fits_the_schema(document);
+}
+
+TEST_F(CompareTest, AVerticalThatIsNotKnownIsTold) {
+    write_reconstruction(*folder_ / "tilted",
+                         io::read_ply(*folder_ / "b/mesh.ply"),
+                         {{"trajectory", {{"vertical_known", false}}}});
+    const json document = compare("a", "tilted");
+    EXPECT_EQ(finding(document, "vertical_unknown")["where"], "later dive");
+    expect_fits_the_schema(document);
+}
+
+TEST_F(CompareTest, ARefusalNamesTheVerticalThatIsNotKnown) {
+    const HeightOf flat = [](double, double) { return 0.0; };
+    for (const bool known : {true, false}) {
+        write_reconstruction(*folder_ / "flat",
+                             ground_mesh(flat, 0.8, 0.8, kStep_m, kNoise_m, 7),
+                             {{"trajectory", {{"vertical_known", known}}}});
+        try {
+            compare("a", "flat");
+            ADD_FAILURE() << "aligned";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::Conflict);
+            const std::string message = error.what();
+            EXPECT_EQ(message.find("which way is up in the later dive") == std::string::npos, known)
+                << message;
+        }
+    }
 }
 
 TEST_F(CompareTest, ThreadsChangeNoByte) {

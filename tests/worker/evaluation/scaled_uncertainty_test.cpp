@@ -166,13 +166,38 @@ TEST(ScaledUncertaintyTest, AVertexMovesWithTheScaleAwayFromTheCentreOfThePath) 
     const double off_m = std::abs(mesh.normals[0].dot(moved - mesh.vertices[0]));
     const double sigma = contradiction_sigma(kScale - 1.0);
 
-    const types::Mesh covering = with_scale_sigma(mesh, path, 0.0, sigma);
+    const types::Mesh covering = with_scale_sigma(mesh, path, {}, 0.0, sigma);
 
     EXPECT_NEAR(covering.sigma_m[0], std::hypot(0.003, off_m / 1.959964), 1e-6);
     EXPECT_EQ(covering.sigma_local_m, mesh.sigma_local_m);
     EXPECT_EQ(covering.vertices, mesh.vertices);
-    EXPECT_NEAR(with_scale_sigma(covering, path, sigma, 0.0).sigma_m[0], 0.003, 1e-5);
-    EXPECT_EQ(with_scale_sigma(mesh, path, sigma, 0.0).sigma_m[0], mesh.sigma_local_m[0]);
+    EXPECT_NEAR(with_scale_sigma(covering, path, {}, sigma, 0.0).sigma_m[0], 0.003, 1e-5);
+    EXPECT_EQ(with_scale_sigma(mesh, path, {}, sigma, 0.0).sigma_m[0], mesh.sigma_local_m[0]);
+}
+
+// The same wall ahead of each path: the later segment lies 100 m farther along x.
+TEST(ScaledUncertaintyTest, AVertexMovesAboutTheCentreOfItsOwnSegment) {
+    constexpr double kSigma = 0.02;
+    const auto at = [](std::int64_t timestamp_ns, double x) {
+        return types::StampedPose{timestamp_ns,
+                                  Eigen::Isometry3d(Eigen::Translation3d(x, 0.0, 0.0))};
+    };
+    const types::Trajectory path = {at(1, -1.0), at(2, 1.0), at(3, 99.0), at(4, 101.0)};
+    std::vector<types::TrackingSegment> segments(2);
+    segments[0].intervals = {{1, 2}};
+    segments[1].intervals = {{3, 4}};
+    types::Mesh mesh;
+    mesh.vertices = {{0.5F, 0.0F, 1.0F}, {3.0F, 0.0F, 1.0F}, {100.5F, 0, 1.0F}, {97.0F, 0, 1.0F}};
+    mesh.normals.assign(4, Eigen::Vector3f::UnitX());
+    mesh.sigma_m.assign(4, 0.003F);
+
+    const types::Mesh covering = with_scale_sigma(mesh, path, segments, 0.0, kSigma);
+
+    for (const std::size_t near_path : {0U, 2U})
+        EXPECT_NEAR(covering.sigma_m[near_path], std::hypot(0.003, kSigma * 0.5), 1e-6);
+    for (const std::size_t beside_path : {1U, 3U})
+        EXPECT_NEAR(covering.sigma_m[beside_path], std::hypot(0.003, kSigma * 3.0), 1e-6);
+    EXPECT_GT(with_scale_sigma(mesh, path, {}, 0.0, kSigma).sigma_m[0], 0.9);
 }
 
 TEST(ScaledUncertaintyTest, EachSegmentStartsItsOwnPath) {

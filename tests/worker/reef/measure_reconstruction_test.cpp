@@ -108,20 +108,30 @@ TEST_F(MeasureReconstructionTest, AScaleThatContradictsIsInSizesButRoughensNothi
     const double sigma = evaluation::contradiction_sigma(kContradiction);
     types::Mesh mesh = level_ground(0.01);
     mesh.normals.assign(mesh.vertices.size(), Eigen::Vector3f::UnitZ());
-    mesh = evaluation::with_scale_sigma(std::move(mesh), path(), 0.0, sigma);
+    mesh = evaluation::with_scale_sigma(std::move(mesh), path(), {}, 0.0, sigma);
     EXPECT_GT(mesh.sigma_m[0], 0.05F);
     io::write_ply(folder_ / "mesh.ply", mesh);
-    write(
-        "metrics.json",
-        json{{"calibration",
-              {{"scale_sigma", std::hypot(0.002, sigma)}, {"scale_contradiction", kContradiction}}}}
-            .dump());
+    constexpr double kShared_m = 0.001;
+    const double scale_sigma = std::hypot(0.002, sigma);
+    write("metrics.json",
+          json{{"calibration",
+                {{"scale_sigma", scale_sigma}, {"scale_contradiction", kContradiction}}},
+               {"expected_accuracy", {{"surface", {{"sigma_shared_m", kShared_m}}}}}}
+              .dump());
+    // Its plane is 0.1 m below the ground.
+    write("areas.json", R"({"areas": [{"name": "q", "corners": [[0.2, 0.2, -0.1], [0.8, 0.2, -0.1],
+                                       [0.8, 0.8, -0.1], [0.2, 0.8, -0.1]]}]})");
     const json measured = measure();
     const json diameter = metric_of(measured, "q", "longest_diameter");
     const double value_m = diameter["value"].get<double>();
     EXPECT_GT(diameter["high"].get<double>(), (1.0 + kContradiction) * value_m);
     EXPECT_LT(diameter["low"].get<double>(), (1.0 - kContradiction) * value_m);
     EXPECT_NEAR(measured["areas"][1]["sigma_m"].get<double>(), 0.002, 1e-5);
+    const json volume = metric_of(measured, "q", "volume");
+    const double half_m3 = 0.5 * (volume["high"].get<double>() - volume["low"].get<double>());
+    const double expected_m3 = 1.96 * std::hypot(3.0 * scale_sigma * 0.036, kShared_m * 0.36);
+    EXPECT_NEAR(volume["value"].get<double>(), 0.036, 1e-4);
+    EXPECT_NEAR(half_m3, expected_m3, 0.05 * expected_m3);
 }
 
 }  // namespace

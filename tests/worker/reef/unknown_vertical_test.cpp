@@ -64,6 +64,10 @@ TEST(UnknownVertical, ColoniesAreNotCountedOverTheWholeModel) {
     const json measured = measure_areas(sheet(0.5, 0.01, ramp), set, without_vertical());
     EXPECT_TRUE(metric_of(measured, "whole model", "population_density").contains("refused"));
     EXPECT_TRUE(metric_of(measured, "whole model", "cover").contains("refused"));
+    const json area = metric_of(measured, "whole model", "colony_area_median");
+    const json diameter = metric_of(measured, "whole model", "colony_diameter_median");
+    EXPECT_NEAR(area.value("value", 0.0), 0.01, 1e-9) << "in the plane of its corners";
+    EXPECT_NEAR(diameter.value("value", 0.0), 0.1 * std::sqrt(2.0), 1e-9);
 }
 
 // A bed that hangs upside down in its world: the cameras are below it.
