@@ -7,11 +7,12 @@
 
 namespace divemesh::camera {
 
-// The rectification of the images of one camera. The constructor computes its map on all cores.
+// The rectification of the images of one camera. The constructor computes its map on
+// `num_threads` threads (0: all cores).
 // Thread-safe after construction.
 class ImageRectifier {
 public:
-    ImageRectifier(const RectifiedLens& lens, const types::RectifiedRig& rig);
+    ImageRectifier(const RectifiedLens& lens, const types::RectifiedRig& rig, int num_threads = 0);
 
     // Returns the rectified image; any number of channels.
     cv::Mat rectify(const cv::Mat& image) const;

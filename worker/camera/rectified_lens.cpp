@@ -2,6 +2,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <opencv2/imgproc.hpp>
 
 #include "worker/camera/projection.hpp"
 
@@ -55,6 +56,15 @@ types::Camera reduced_camera(const types::Camera& camera, int reduction) {
     // Pixel centres are whole numbers in both sizes.
     result.cx_px = (camera.cx_px + 0.5) / reduction - 0.5;
     result.cy_px = (camera.cy_px + 0.5) / reduction - 0.5;
+    return result;
+}
+
+cv::Mat reduced_image(const cv::Mat& image, int reduction) {
+    if (reduction == 1 || image.empty()) return image;
+    const cv::Size size(image.cols / reduction, image.rows / reduction);
+    const cv::Rect squares(0, 0, size.width * reduction, size.height * reduction);
+    cv::Mat result;
+    cv::resize(image(squares), result, size, 0.0, 0.0, cv::INTER_AREA);
     return result;
 }
 

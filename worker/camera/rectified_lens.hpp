@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <opencv2/core/mat.hpp>
 
 #include "worker/types/lens_change.hpp"
 #include "worker/types/rectified_rig.hpp"
@@ -28,6 +29,9 @@ std::array<RectifiedLens, 2> rectified_lenses(const types::Rig& rig);  // left, 
 
 // Returns the camera of images at 1 / `reduction` of their size, squares of pixels averaged.
 types::Camera reduced_camera(const types::Camera& camera, int reduction);
+// Returns an image of that camera: averages squares of pixels; what is left over at the right and
+// at the bottom is cut off. An empty image stays empty.
+cv::Mat reduced_image(const cv::Mat& image, int reduction);
 
 // Returns the camera with `change` added to its calibration.
 types::Camera changed_camera(const types::Camera& camera, const types::LensChange& change);

@@ -115,15 +115,16 @@ types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pa
     return rectified;
 }
 
-ImageRectifier left_rectifier(const types::Recording& recording) {
+ImageRectifier left_rectifier(const types::Recording& recording, int num_threads) {
     return {rectified_lenses(recording.rig())[0],
-            rectified_rig(recording.rig(), recording.fixed_pattern())};
+            rectified_rig(recording.rig(), recording.fixed_pattern()),
+            num_threads};
 }
 
-Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern)
+Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern, int num_threads)
     : rig_(rectified_rig(rig, fixed_pattern)),
-      left_(rectified_lenses(rig)[0], rig_),
-      right_(rectified_lenses(rig)[1], rig_) {
+      left_(rectified_lenses(rig)[0], rig_, num_threads),
+      right_(rectified_lenses(rig)[1], rig_, num_threads) {
     if (!fixed_pattern.empty()) fixed_pattern_ = left_.rectify_mask(fixed_pattern);
 }
 

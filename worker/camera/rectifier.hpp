@@ -16,18 +16,20 @@ namespace divemesh::camera {
 types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pattern = {});
 
 // Returns what rectifies the left images of a recording alone, as Rectifier does, in half the time.
-// Throws as rectified_rig does.
-ImageRectifier left_rectifier(const types::Recording& recording);
+// Throws as rectified_rig does. `num_threads`: of ImageRectifier.
+ImageRectifier left_rectifier(const types::Recording& recording, int num_threads = 0);
 
 // The rectification of a pair: undistorts both images and rotates them into one plane (Bouguet's
-// method, as OpenCV's stereoRectify). The constructor throws as rectified_rig does. Each frame gets
-// `fixed_pattern` (Recording::fixed_pattern()) as its rectified left image has it. Thread-safe
-// after construction.
+// method, as OpenCV's stereoRectify). The constructor throws as rectified_rig does, and works on
+// `num_threads` threads (0: all cores). Each frame gets `fixed_pattern`
+// (Recording::fixed_pattern()) as its rectified left image has it. Thread-safe after construction.
 class Rectifier {
 public:
-    explicit Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern = {});
-    explicit Rectifier(const types::Recording& recording)
-        : Rectifier(recording.rig(), recording.fixed_pattern()) {}
+    explicit Rectifier(const types::Rig& rig,
+                       const cv::Mat& fixed_pattern = {},
+                       int num_threads = 0);
+    explicit Rectifier(const types::Recording& recording, int num_threads = 0)
+        : Rectifier(recording.rig(), recording.fixed_pattern(), num_threads) {}
 
     const types::RectifiedRig& rig() const { return rig_; }
     types::RectifiedFrame rectify(const types::StereoFrame& frame) const;

@@ -48,27 +48,29 @@ Eigen::Vector3d Rerectifier::moved(const Eigen::Vector3d& measured_px) const {
 }
 
 KeyframeRerectifier::KeyframeRerectifier(const types::RectifiedRig& rectified,
-                                         const Rerectifier& rerectifier)
+                                         const Rerectifier& rerectifier,
+                                         int num_threads)
     : source_x_(rectified.height_px, rectified.width_px, CV_32F),
       source_y_(rectified.height_px, rectified.width_px, CV_32F),
       nearest_(rectified.height_px, rectified.width_px, CV_32S),
       shift_right_(rectified.height_px, rectified.width_px, CV_32F) {
-    base::for_each_index(0, static_cast<std::size_t>(rectified.height_px), [&](std::size_t index) {
-        const int v = static_cast<int>(index);
-        for (int u = 0; u < rectified.width_px; ++u) {
-            const Eigen::Vector2d pixel(u, v);
-            const Eigen::Vector2d source = rerectifier.back(0, pixel);
-            source_x_.at<float>(v, u) = static_cast<float>(source.x());
-            source_y_.at<float>(v, u) = static_cast<float>(source.y());
-            const auto column = static_cast<int>(std::lround(source.x()));
-            const auto row = static_cast<int>(std::lround(source.y()));
-            const bool seen =
-                column >= 0 && row >= 0 && column < rectified.width_px && row < rectified.height_px;
-            nearest_.at<int>(v, u) = seen ? row * rectified.width_px + column : -1;
-            shift_right_.at<float>(v, u) =
-                static_cast<float>(rerectifier.forward(1, pixel).x() - pixel.x());
-        }
-    });
+    base::for_each_index(
+        num_threads, static_cast<std::size_t>(rectified.height_px), [&](std::size_t index) {
+            const int v = static_cast<int>(index);
+            for (int u = 0; u < rectified.width_px; ++u) {
+                const Eigen::Vector2d pixel(u, v);
+                const Eigen::Vector2d source = rerectifier.back(0, pixel);
+                source_x_.at<float>(v, u) = static_cast<float>(source.x());
+                source_y_.at<float>(v, u) = static_cast<float>(source.y());
+                const auto column = static_cast<int>(std::lround(source.x()));
+                const auto row = static_cast<int>(std::lround(source.y()));
+                const bool seen = column >= 0 && row >= 0 && column < rectified.width_px &&
+                                  row < rectified.height_px;
+                nearest_.at<int>(v, u) = seen ? row * rectified.width_px + column : -1;
+                shift_right_.at<float>(v, u) =
+                    static_cast<float>(rerectifier.forward(1, pixel).x() - pixel.x());
+            }
+        });
 }
 
 types::KeyframeImages KeyframeRerectifier::moved(const types::KeyframeImages& images) const {

@@ -30,11 +30,13 @@ private:
     std::array<RectifiedLens, 2> refined_;
 };
 
-// The same mapping for whole keyframes. The constructor computes it on all cores. Thread-safe after
-// construction.
+// The same mapping for whole keyframes. The constructor computes it on `num_threads`
+// threads (0: all cores). Thread-safe after construction.
 class KeyframeRerectifier {
 public:
-    KeyframeRerectifier(const types::RectifiedRig& rectified, const Rerectifier& rerectifier);
+    KeyframeRerectifier(const types::RectifiedRig& rectified,
+                        const Rerectifier& rerectifier,
+                        int num_threads = 0);
 
     // Returns the resampled left image (empty if it is), and depth by mapping both ends of every
     // disparity. Rows stay as they were when the pair was matched: a vertical error of the right

@@ -33,18 +33,20 @@ float nearest_disparity(const cv::Mat& disparity, float u, float v) {
 ShutterCorrection::ShutterCorrection(const types::RectifiedRig& rig,
                                      const RectifiedLens& left,
                                      double readout_time_s,
-                                     std::map<int, CameraMotion> motions)
+                                     std::map<int, CameraMotion> motions,
+                                     int num_threads)
     : rig_(rig),
       shutter_(rig, left),
       readout_time_s_(readout_time_s),
       motions_(std::move(motions)),
       late_s_(rig.height_px, rig.width_px, CV_32F) {
-    base::for_each_index(0, static_cast<std::size_t>(rig.height_px), [&](std::size_t row) {
-        const int v = static_cast<int>(row);
-        for (int u = 0; u < rig.width_px; ++u)
-            late_s_.at<float>(v, u) =
-                static_cast<float>(readout_time_s * shutter_.row_share(Eigen::Vector2d(u, v)));
-    });
+    base::for_each_index(
+        num_threads, static_cast<std::size_t>(rig.height_px), [&](std::size_t row) {
+            const int v = static_cast<int>(row);
+            for (int u = 0; u < rig.width_px; ++u)
+                late_s_.at<float>(v, u) =
+                    static_cast<float>(readout_time_s * shutter_.row_share(Eigen::Vector2d(u, v)));
+        });
 }
 
 Eigen::Isometry3d ShutterCorrection::motion_until_row(int frame_index,

@@ -10,14 +10,16 @@
 namespace divemesh::camera {
 
 // Moves images and depth to where a global shutter would have seen them at the time of the middle
-// row. Thread-safe after construction.
+// row. The constructor works on `num_threads` threads (0: all cores). Thread-safe after
+// construction.
 class ShutterCorrection {
 public:
     // `motions`: of the camera, by index of the frame.
     ShutterCorrection(const types::RectifiedRig& rig,
                       const RectifiedLens& left,
                       double readout_time_s,
-                      std::map<int, CameraMotion> motions);
+                      std::map<int, CameraMotion> motions,
+                      int num_threads = 0);
 
     // Returns the resampled left image and depth. A pixel without disparity moves as one with
     // the mean of the others. Returns frames of unknown motion, or without any disparity, as they

@@ -30,11 +30,13 @@ types::RectifiedRig resized(const types::RectifiedRig& rig, int width_px) {
 SmallLeftImages::SmallLeftImages(const types::Recording& recording,
                                  const RectifiedLens& left,
                                  const types::RectifiedRig& rig,
-                                 int width_px)
+                                 int width_px,
+                                 int num_threads)
     : recording_(recording),
       reduction_(reduction_to(rig.width_px, width_px)),
       rectifier_({reduced_camera(left.camera, reduction_), left.R_camera_rectified},
-                 resized(rig, width_px)) {}
+                 resized(rig, width_px),
+                 num_threads) {}
 
 cv::Mat SmallLeftImages::read(int frame_index) const {
     return rectifier_.rectify(recording_.left_in_color(frame_index, reduction_));

@@ -85,7 +85,7 @@ void add_scale_difference(const ComparisonResult& result, std::vector<Finding>& 
          "",
          "on the shared ground the later dive is " + percent(size) +
              (shown->value > 0.0 ? " larger" : " smaller") +
-             " than the earlier one (one standard " + "deviation: " + percent(shown->sigma) +
+             " than the earlier one (one standard deviation: " + percent(shown->sigma) +
              "), where their stated scales allow " + percent(allowed) +
              ": this looks like change of up to " + base::fixed(1e3 * change_m, 1) +
              " mm, and the lengths of one of them are wrong",

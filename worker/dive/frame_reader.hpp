@@ -30,6 +30,7 @@ LoadedImage load_image(const DiveFiles& files,
                        Channels channels,
                        int reduction = 1);
 
+// The images of a pair that are loaded: some checks need the left one alone.
 enum class Eyes { Left, Both };
 
 // A stereo pair in grey, as far as it could be loaded.

@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
+#include "worker/camera/rectified_lens.hpp"
 #include "worker/dive/big_endian.hpp"
 #include "worker/dive/grey_png.hpp"
 
@@ -153,12 +154,7 @@ cv::Mat decode_image(std::string_view bytes,
     const cv::Size size(whole.width / reduction, whole.height / reduction);
     cv::Mat image = decoded(bytes, header.format, channels, reduction);
     if (image.size() == size) return image;
-    if (image.size() == whole) {
-        const cv::Rect squares(0, 0, size.width * reduction, size.height * reduction);
-        cv::Mat reduced;
-        cv::resize(image(squares), reduced, size, 0.0, 0.0, cv::INTER_AREA);
-        return reduced;
-    }
+    if (image.size() == whole) return camera::reduced_image(image, reduction);
     // libjpeg rounds the size up.
     const bool is_rounded_up = image.cols == (whole.width + reduction - 1) / reduction &&
                                image.rows == (whole.height + reduction - 1) / reduction;

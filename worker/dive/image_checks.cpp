@@ -55,13 +55,13 @@ Measured measure(int num_frames, const std::function<LoadedPair(int index)>& loa
         measured.mosaic.push_back(mosaic_contrast(left));
         // The pattern of a mosaic would pass for noise and for sharp detail.
         const bool is_mosaic = measured.mosaic.back() > kMaxMosaic;
-        const cv::Mat scene = reduced(is_mosaic ? halved(left) : left);
+        const cv::Mat scene = reduced_to_640_px(is_mosaic ? halved(left) : left);
         if (!has_texture(scene)) {
             measured.without_texture.push_back(pair->index);
             continue;
         }
         const double reference = sharpness(scene);
-        const cv::Mat right = reduced(pair->right.image);
+        const cv::Mat right = reduced_to_640_px(pair->right.image);
         const double other = sharpness(is_mosaic ? halved(pair->right.image) : right);
         // An image of one tone is blank, not out of focus.
         if (reference > 0.0 && other > 0.0 && !is_dark(right))

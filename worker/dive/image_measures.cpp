@@ -106,7 +106,7 @@ double noise_level(const cv::Mat& image, const std::vector<cv::Rect>& cells) {
 
 }  // namespace
 
-cv::Mat reduced(const cv::Mat& image) {
+cv::Mat reduced_to_640_px(const cv::Mat& image) {
     cv::Mat result;
     image.convertTo(result, CV_32F);
     if (image.cols <= kWidth_px) return result;
@@ -116,7 +116,7 @@ cv::Mat reduced(const cv::Mat& image) {
 }
 
 double sharpness(const cv::Mat& image) {
-    const cv::Mat fine = reduced(image);
+    const cv::Mat fine = reduced_to_640_px(image);
     cv::Mat coarse;
     cv::resize(fine, coarse, {}, 0.25, 0.25, cv::INTER_AREA);
     const double reference = deviation(band(coarse, 1.2));
@@ -160,12 +160,12 @@ double mosaic_contrast(const cv::Mat& image) {
 }
 
 bool is_dark(const cv::Mat& image) {
-    const cv::Mat small = reduced(image);
+    const cv::Mat small = reduced_to_640_px(image);
     return num_cells(small) >= kMinCells && lit_cells(small).size() < kMinCells;
 }
 
 bool has_texture(const cv::Mat& image) {
-    const cv::Mat small = reduced(image);
+    const cv::Mat small = reduced_to_640_px(image);
     if (num_cells(small) < kMinCells) return true;
     const std::vector<cv::Rect> cells = lit_cells(small);
     if (cells.size() < kMinCells) return false;

@@ -4,12 +4,12 @@
 
 namespace divemesh::dive {
 
-// Physical measures of one grey image: 8 bit as recorded, or reduced() where stated. None depends
-// on brightness or contrast, except texture.
+// Physical measures of one grey image: 8 bit as recorded, or reduced_to_640_px() where stated. None
+// depends on brightness or contrast, except texture.
 
 // Returns the image as CV_32F, reduced to 640 px of width if it is wider. Sharpness, darkness and
 // texture measure this, and take either: what several of them measure is reduced once.
-cv::Mat reduced(const cv::Mat& image);
+cv::Mat reduced_to_640_px(const cv::Mat& image);
 
 // Returns the energy of fine detail (2 px) relative to coarse detail (8 px): what a lens out of
 // focus or a fogged port loses first. 0 for an image of one colour.

@@ -10,6 +10,7 @@
 #include "worker/base/parallel.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
+#include "worker/camera/rectified_lens.hpp"
 #include "worker/dive/mounting_check.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/dive/stereo_rays.hpp"
@@ -130,16 +131,6 @@ types::Rig swapped(const types::Rig& rig) {
 // Returns by what whole number images of a width are reduced.
 int reduction_of(int width_px) { return std::max(1, (width_px + kMaxWidth_px - 1) / kMaxWidth_px); }
 
-// Averages squares of pixels; what is left over at the right and at the bottom is cut off.
-cv::Mat reduced(const cv::Mat& image, int reduction) {
-    if (reduction == 1 || image.empty()) return image;
-    const cv::Size size(image.cols / reduction, image.rows / reduction);
-    const cv::Rect whole(0, 0, size.width * reduction, size.height * reduction);
-    cv::Mat result;
-    cv::resize(image(whole), result, size, 0.0, 0.0, cv::INTER_AREA);
-    return result;
-}
-
 // What the images of a moment show.
 struct Seen {
     MountingCheck mounting;
@@ -158,7 +149,7 @@ public:
           findings_(findings),
           reduction_(reduction_of(contents.rig.cam0.width_px)) {
         if (!contents.fixed_pattern.empty())
-            is_scene_ = reduced(contents.fixed_pattern, reduction_) == 0;
+            is_scene_ = camera::reduced_image(contents.fixed_pattern, reduction_) == 0;
     }
 
     void run(const base::ProgressCallback& progress) {
@@ -180,8 +171,8 @@ private:
     void look_at(const Moment& moment, Seen& seen) const {
         const LoadedPair first = load_(moment.first, Eyes::Both);
         if (!first.is_complete()) return;
-        const cv::Mat left = reduced(first.left.image, reduction_);
-        const cv::Mat right = reduced(first.right.image, reduction_);
+        const cv::Mat left = camera::reduced_image(first.left.image, reduction_);
+        const cv::Mat right = camera::reduced_image(first.right.image, reduction_);
         std::vector<cv::Point2f> corners;
         cv::goodFeaturesToTrack(left, corners, 250, 0.01, 12.0, is_scene_);
         if (std::ssize(corners) < kMinPoints) return;
@@ -193,7 +184,8 @@ private:
         if (moment.is_motion()) {
             const LoadedPair second = load_(moment.second, Eyes::Left);
             if (second.left.image.empty()) return;
-            later = track_corners(left, reduced(second.left.image, reduction_), corners, found);
+            later = track_corners(
+                left, camera::reduced_image(second.left.image, reduction_), corners, found);
         }
         std::vector<cv::Point3d> points;
         std::vector<cv::Point2d> rays;

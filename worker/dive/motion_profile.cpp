@@ -20,7 +20,7 @@ constexpr double kMinCorrelation = 0.8;   // pairs of real rigs have 0.83 to 1
 constexpr double kMinLead = 0.1;          // of the best correlation over the runner-up
 constexpr double kClearPeriods = 3.0;     // lags that differ by more are other lags
 
-cv::Mat reduced(const cv::Mat& image) {
+cv::Mat reduced_to_profile(const cv::Mat& image) {
     if (image.empty() || image.cols <= kProfileWidth_px) return image;
     cv::Mat small;
     const double scale = static_cast<double>(kProfileWidth_px) / image.cols;
@@ -114,7 +114,7 @@ MotionProfile motion_profile(const std::vector<std::int64_t>& timestamps_ns,
     MotionProfile profile;
     cv::Mat before;
     for (std::size_t i = 0; i < timestamps_ns.size(); ++i) {
-        cv::Mat image = reduced(load(i));
+        cv::Mat image = reduced_to_profile(load(i));
         const auto flow_px = i > 0 ? median_flow_px(before, image) : std::nullopt;
         before = image;
         if (!flow_px) continue;

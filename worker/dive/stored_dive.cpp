@@ -119,10 +119,9 @@ void StoredDive::pair_images() {
     if (!contents_.has_rig)
         contents_.frames.pairs =
             match_pairs(images.left, images.right, {}, common_clock_tolerance_ns(images.left));
-    const StereoDelay& delay = contents_.frames.delay;
-    if (delay.is_significant() || contents_.frames.uses_gaps())
-        contents_.rig.right_delay_baseline_sigma =
-            delay.sigma_s * delay.speed_m_s / contents_.rig.baseline_m();
+    const double sigma_m = contents_.frames.shared_delay_sigma_m();
+    if (sigma_m > 0.0)
+        contents_.rig.right_delay_baseline_sigma = sigma_m / contents_.rig.baseline_m();
     report_pairs(contents_.frames, images, contents_.rig.baseline_m(), findings_);
 }
 

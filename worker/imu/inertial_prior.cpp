@@ -154,7 +154,7 @@ double InertialPrior::depth_sigma_m(double interval_s) const {
 }
 
 bool InertialPrior::knows_vertical(std::int64_t time_ns) const {
-    return accelerometer_ || absolute(time_ns).has_value();
+    return absolute(time_ns) || measured_up(time_ns);
 }
 
 SensorReadings InertialPrior::readings(std::int64_t from_ns, std::int64_t to_ns) const {
@@ -168,21 +168,25 @@ SensorReadings InertialPrior::readings(std::int64_t from_ns, std::int64_t to_ns)
     return readings;
 }
 
+std::optional<Eigen::Vector3d> InertialPrior::measured_up(std::int64_t time_ns) const {
+    if (!accelerometer_) return std::nullopt;
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    const auto first = std::ranges::lower_bound(imu_, time_ns, {}, &types::ImuSample::timestamp_ns);
+    for (auto sample = first; sample != imu_.end(); ++sample) {
+        if (sample->timestamp_ns > time_ns + kGravityAlignment_ns) break;
+        const auto turned = rotation(time_ns, sample->timestamp_ns);
+        const Eigen::Quaterniond q = turned ? turned->q : Eigen::Quaterniond::Identity();
+        sum += q * sample->acceleration_imu;
+    }
+    if (sum.norm() <= 1e-3) return std::nullopt;
+    return sum.normalized();
+}
+
 Eigen::Quaterniond InertialPrior::initial_orientation(std::int64_t time_ns,
                                                       const Eigen::Matrix3d& R_imu_cam) const {
     if (const auto q_world_imu = absolute(time_ns)) return *q_world_imu;
-    Eigen::Vector3d up_imu = -R_imu_cam.col(1);  // without sensors: the camera is level
-    if (accelerometer_) {
-        Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-        for (const types::ImuSample& sample : imu_) {
-            if (sample.timestamp_ns < time_ns) continue;
-            if (sample.timestamp_ns > time_ns + kGravityAlignment_ns) break;
-            const auto turned = rotation(time_ns, sample.timestamp_ns);
-            const Eigen::Quaterniond q = turned ? turned->q : Eigen::Quaterniond::Identity();
-            sum += q * sample.acceleration_imu;
-        }
-        if (sum.norm() > 1e-3) up_imu = sum.normalized();
-    }
+    const Eigen::Vector3d level = -R_imu_cam.col(1);
+    const Eigen::Vector3d up_imu = measured_up(time_ns).value_or(level);
     // Heading: the camera looks along world x; if it looks up or down, its upper edge points along
     // x.
     Eigen::Vector3d ahead_imu = R_imu_cam.col(2);

@@ -76,8 +76,8 @@ public:
     std::optional<Eigen::Quaterniond> absolute(std::int64_t time_ns) const;
     // Returns the depth from the pressure, m, interpolated; nullopt without a sensor or in a gap.
     std::optional<double> depth_m(std::int64_t time_ns) const;
-    // Returns true if a sensor measures which way is up at a time. Otherwise initial_orientation()
-    // is a guess.
+    // Returns true if a sensor measures which way is up at a time, or in the second from it on.
+    // Otherwise initial_orientation() is a guess.
     bool knows_vertical(std::int64_t time_ns) const;
     // Returns all of these; if `from_ns` == `to_ns`, those of the single time only.
     SensorReadings readings(std::int64_t from_ns, std::int64_t to_ns) const;
@@ -100,6 +100,9 @@ public:
     const types::ImuNoise& noise() const { return noise_; }
 
 private:
+    // Returns the direction of the specific force over the second from a time on, in the body at
+    // that time; nullopt without usable samples of gravity in it.
+    std::optional<Eigen::Vector3d> measured_up(std::int64_t time_ns) const;
     bool imu_is_used(std::int64_t from_ns, std::int64_t to_ns) const;
     double depth_sigma_m(double interval_s) const;
 

@@ -162,7 +162,7 @@ std::vector<TagView> find_tags_in(types::Recording& recording,
                                   const camera::Rerectifier* refined,
                                   const base::ProgressShare& progress,
                                   int num_threads) {
-    const camera::Rectifier rectifier(recording);
+    const camera::Rectifier rectifier(recording, num_threads);
     std::vector<TagView> views;
     std::vector<KeyframePair> pairs;
     const auto search = [&] {

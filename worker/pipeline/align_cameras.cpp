@@ -61,9 +61,12 @@ std::vector<int> spread_frames(int num_frames) {
 // Matches pairs after rectification with one rig and returns them as rectified with `stated`.
 class PairMatcher {
 public:
-    PairMatcher(const types::Recording& recording, const types::Rig& stated, const types::Rig& rig)
+    PairMatcher(const types::Recording& recording,
+                const types::Rig& stated,
+                const types::Rig& rig,
+                int num_threads)
         : recording_(recording),
-          rectifier_(rig, recording.fixed_pattern()),
+          rectifier_(rig, recording.fixed_pattern(), num_threads),
           lenses_(camera::rectified_lenses(rig)),
           stated_rectified_(camera::rectified_rig(stated, recording.fixed_pattern())),
           stated_lenses_(camera::rectified_lenses(stated)) {}
@@ -119,7 +122,7 @@ types::RigAlignment align_rows(const types::Recording& recording,
                                const base::ProgressCallback& progress) {
     const types::RectifiedRig rectified = camera::rectified_rig(stated, recording.fixed_pattern());
     const auto estimate = [&](const types::Rig& rig) {
-        const PairMatcher matcher(recording, stated, rig);
+        const PairMatcher matcher(recording, stated, rig, num_threads);
         return calibration::estimate_rig_alignment(
             stated,
             rectified,
@@ -144,8 +147,8 @@ calibration::RangeSolution align_ranges(const types::Recording& recording,
                                         int num_threads,
                                         const base::ProgressCallback& progress,
                                         types::RigAlignment& alignment) {
-    const camera::Rectifier rectifier(calibration::changed_rig(stated, alignment.change),
-                                      recording.fixed_pattern());
+    const camera::Rectifier rectifier(
+        calibration::changed_rig(stated, alignment.change), recording.fixed_pattern(), num_threads);
     const std::vector<int> frames = spread_frames(recording.num_frames());
     std::vector<calibration::RangeWindow> windows;
     calibration::RangeSolution ranges;

@@ -1,7 +1,5 @@
 #include "worker/pipeline/aligned_recording.hpp"
 
-#include <opencv2/imgproc.hpp>
-
 #include "worker/camera/rectified_lens.hpp"
 
 namespace divemesh::pipeline {
@@ -12,19 +10,6 @@ types::Rig reduced_rig(types::Rig rig, int reduction) {
     rig.cam0 = camera::reduced_camera(rig.cam0, reduction);
     rig.cam1 = camera::reduced_camera(rig.cam1, reduction);
     return rig;
-}
-
-// Averages squares of pixels; what is left over at the right and at the bottom is cut off.
-cv::Mat averaged(const cv::Mat& image, int reduction) {
-    const cv::Size size(image.cols / reduction, image.rows / reduction);
-    cv::Mat result;
-    cv::resize(image(cv::Rect(0, 0, size.width * reduction, size.height * reduction)),
-               result,
-               size,
-               0.0,
-               0.0,
-               cv::INTER_AREA);
-    return result;
 }
 
 }  // namespace
@@ -45,11 +30,11 @@ void AlignedRecording::set_reduction(int reduction) {
     rig_ = reduced_rig(recorded_rig_, reduction_);
     fixed_pattern_ = recording_.fixed_pattern();
     if (reduction_ > 1 && !fixed_pattern_.empty())
-        fixed_pattern_ = averaged(fixed_pattern_, reduction_) > 0;
+        fixed_pattern_ = camera::reduced_image(fixed_pattern_, reduction_) > 0;
 }
 
 cv::Mat AlignedRecording::reduced(const cv::Mat& image) const {
-    return reduction_ == 1 || image.empty() ? image : averaged(image, reduction_);
+    return camera::reduced_image(image, reduction_);
 }
 
 std::optional<types::StereoFrame> AlignedRecording::reduced(

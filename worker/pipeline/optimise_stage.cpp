@@ -26,7 +26,8 @@ std::shared_ptr<const camera::ShutterCorrection> shutter_correction(const Recons
         made.track.rig,
         camera::rectified_lenses(made.recording.rig())[0],  // refined ones lie as far, for rows
         made.optimised.calibration.readout_time_s,
-        std::move(motions));
+        std::move(motions),
+        made.options().num_threads);
 }
 
 }  // namespace
@@ -69,7 +70,8 @@ void finish_optimise(Reconstruction& made) {
         made.keyframe_store =
             made.keyframe_store.rerectified(std::make_shared<camera::KeyframeRerectifier>(
                 made.track.rig,
-                camera::Rerectifier(made.recording.rig(), made.track.rig, calibration.lenses)));
+                camera::Rerectifier(made.recording.rig(), made.track.rig, calibration.lenses),
+                made.options().num_threads));
     if (calibration.readout_time_applied) made.shutter = shutter_correction(made);
     if (made.options().surface && made.shutter)
         made.keyframe_store = made.keyframe_store.corrected(made.shutter);

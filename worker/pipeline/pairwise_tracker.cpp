@@ -106,7 +106,7 @@ types::Track track_pairwise(types::Recording& recording,
                             const ReconstructionOptions& options,
                             const keyframes::KeyframeStore& store,
                             const base::ProgressCallback& progress) {
-    const camera::Rectifier rectifier(recording);
+    const camera::Rectifier rectifier(recording, options.num_threads);
     PairwiseTracker tracker(rectifier.rig(), recording, options);
     return track_frames(recording, rectifier, options, store, tracker, progress);
 }

@@ -41,13 +41,15 @@ std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
 }
 
 // Makes the rectifier with the first image: the rig may change before that.
-keyframes::KeyframeStore::LeftInColor rectified_left_images(const types::Recording& dive) {
+keyframes::KeyframeStore::LeftInColor rectified_left_images(const types::Recording& dive,
+                                                            int num_threads) {
     struct Made {
         std::once_flag once;
         std::optional<camera::ImageRectifier> rectifier;
     };
-    return [&dive, made = std::make_shared<Made>()](int frame_index) {
-        std::call_once(made->once, [&] { made->rectifier = camera::left_rectifier(dive); });
+    return [&dive, num_threads, made = std::make_shared<Made>()](int frame_index) {
+        std::call_once(made->once,
+                       [&] { made->rectifier = camera::left_rectifier(dive, num_threads); });
         return made->rectifier->rectify(dive.left_in_color(frame_index, 1));
     };
 }
@@ -61,21 +63,22 @@ Reconstruction::Reconstruction(const ReconstructionRequest& made_for)
       dive(*opened_dive),
       recording(dive),
       marker_plan(dive::marker_plan_of(dive.markers(), request.options)),
-      keyframe_store(scratch("keyframes"), rectified_left_images(recording)),
+      keyframe_store(scratch("keyframes"),
+                     rectified_left_images(recording, request.options.num_threads)),
       task_pool(request.options.num_threads) {
     std::filesystem::create_directories(request.out);
 }
 
 void Reconstruction::set_rig(const types::Rig& rig) {
     recording.set_rig(rig);
-    keyframe_store =
-        keyframes::KeyframeStore(scratch("keyframes"), rectified_left_images(recording));
+    keyframe_store = keyframes::KeyframeStore(
+        scratch("keyframes"), rectified_left_images(recording, request.options.num_threads));
 }
 
 void Reconstruction::set_reduction(int reduction) {
     recording.set_reduction(reduction);
-    keyframe_store =
-        keyframes::KeyframeStore(scratch("keyframes"), rectified_left_images(recording));
+    keyframe_store = keyframes::KeyframeStore(
+        scratch("keyframes"), rectified_left_images(recording, request.options.num_threads));
 }
 
 types::RefinedCalibration Reconstruction::refined() const {

@@ -27,10 +27,12 @@ keyframes::ReadImage keyframe_images(const Reconstruction& made) {
     camera::RectifiedLens left = camera::rectified_lenses(made.recording.rig())[0];
     if (calibration.lenses_applied)
         left.camera = camera::changed_camera(left.camera, calibration.lenses[0]);
-    return [images = std::make_shared<const camera::SmallLeftImages>(
-                made.recording, left, made.track.rig, keyframes::kImageWidth_px)](int frame_index) {
-        return images->read(frame_index);
-    };
+    return [images = std::make_shared<const camera::SmallLeftImages>(made.recording,
+                                                                     left,
+                                                                     made.track.rig,
+                                                                     keyframes::kImageWidth_px,
+                                                                     made.options().num_threads)](
+               int frame_index) { return images->read(frame_index); };
 }
 
 std::string read_text(const fs::path& file) {

@@ -227,7 +227,7 @@ types::Track track_window(types::Recording& recording,
                           const ReconstructionOptions& options,
                           const keyframes::KeyframeStore& store,
                           const base::ProgressCallback& progress) {
-    const camera::Rectifier rectifier(recording);
+    const camera::Rectifier rectifier(recording, options.num_threads);
     // Another attempt starts with the first frame, but what was reported is not taken back.
     double reached = 0.0;
     const auto forward_progress = [&](Progress at) {

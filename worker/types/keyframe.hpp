@@ -30,7 +30,8 @@ struct RectifiedFrame {
     cv::Mat fixed_pattern = {};
     // Set if `right` was exposed at another time and is warped to the time of `left`.
     std::optional<ExposureMotion> between = std::nullopt;
-    double right_delay_s = 0.0;  // of StereoFrame
+    // How much later the right image was exposed than the left one; negative: before it.
+    double right_delay_s = 0.0;
 
     // Returns false where the left image shows a fixed pattern.
     bool shows_scene(const Eigen::Vector2d& pixel) const {

@@ -60,5 +60,28 @@ TEST(InertialPrior, TheWindowTakesTheChangeFromTheGyroscopeThoughThereIsAnAhrs) 
     EXPECT_NEAR(rotation->q.angularDistance(heading(0.07)), 0.0, 1e-6);
 }
 
+TEST(InertialPrior, TheVerticalIsKnownOnlyWhereSamplesOfTheNextSecondMeasureIt) {
+    auto recording = turning_body(kRate_rad_s);  // its samples are of one second
+    recording.its_ahrs.clear();
+    const InertialPrior inertial(recording, preset_options("standard"));
+    EXPECT_TRUE(inertial.knows_vertical(0));
+    EXPECT_TRUE(inertial.knows_vertical(-500'000'000));
+    EXPECT_FALSE(inertial.knows_vertical(-1'500'000'000));
+    EXPECT_FALSE(inertial.knows_vertical(1'500'000'000));
+}
+
+TEST(InertialPrior, WithoutSamplesOfTheNextSecondTheCameraIsAssumedToBeLevel) {
+    auto recording = turning_body(kRate_rad_s);
+    recording.its_ahrs.clear();
+    const InertialPrior inertial(recording, preset_options("standard"));
+    const Eigen::Matrix3d R_imu_cam =
+        Eigen::AngleAxisd(0.3, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    const auto up_world = [&](std::int64_t time_ns, const Eigen::Vector3d& up_imu) {
+        return Eigen::Vector3d(inertial.initial_orientation(time_ns, R_imu_cam) * up_imu);
+    };
+    EXPECT_NEAR(up_world(0, Eigen::Vector3d::UnitZ()).z(), 1.0, 1e-6);
+    EXPECT_NEAR(up_world(1'500'000'000, -R_imu_cam.col(1)).z(), 1.0, 1e-6);
+}
+
 }  // namespace
 }  // namespace divemesh::imu

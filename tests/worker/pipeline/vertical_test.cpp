@@ -51,6 +51,18 @@ TEST(VerticalTest, AnAccelerometerThatMeasuresGravityTells) {
     EXPECT_FALSE(is_known(recording, lanes(0.0)));
 }
 
+TEST(VerticalTest, AnAccelerometerThatBeginsLateTellsOnlyWhereTheWholeDiveWasAdjusted) {
+    synthetic::SensorRecording recording;
+    recording.its_rig.imu_noise = types::ImuNoise{};
+    for (int i = 0; i < 200; ++i)
+        recording.its_imu.push_back(
+            {30 * kSecond_ns + i * kSecond_ns / 200, Eigen::Vector3d::Zero(), {0.0, 0.0, 9.81}});
+    types::OptimisedTrack track = lanes(0.0);
+    EXPECT_TRUE(is_known(recording, track));
+    track.covariances.clear();
+    EXPECT_FALSE(is_known(recording, track));
+}
+
 TEST(VerticalTest, AnAhrsTells) {
     synthetic::SensorRecording recording;
     recording.its_ahrs.push_back({0, Eigen::Quaterniond::Identity()});
