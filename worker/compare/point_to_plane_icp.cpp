@@ -165,11 +165,16 @@ Matrix6d sandwich(const Fit& fit) {
     return num / std::max(1.0, num - 6.0) * bread * meat * bread;
 }
 
-// Solves for the scale together with the pose. Its standard deviation is the sandwich estimator of
-// that solution.
-std::optional<ScaleDifference> scale_difference(const Fit& fit) {
+// One Gauss-Newton step for the scale together with the pose.
+struct ScaleStep {
+    ScaleDifference scale;  // sigma: sandwich estimator
+    Vector6d pose;
+};
+
+std::optional<ScaleStep> solve_with_scale(const Fit& fit) {
+    const Matrix6d inverse = inverse_information(fit);
     Vector7d direction;  // of the solution: the scale, and the pose that goes with it
-    direction << -inverse_information(fit) * fit.information.topRightCorner<6, 1>(), 1.0;
+    direction << -inverse * fit.information.topRightCorner<6, 1>(), 1.0;
     const double left = direction.dot(fit.information.col(6));  // Schur complement
     if (!(left > kMinScaleShare * fit.information(6, 6))) return std::nullopt;
     const double value = direction.dot(fit.gradient) / left;
@@ -180,8 +185,9 @@ std::optional<ScaleDifference> scale_difference(const Fit& fit) {
         squares += part * part;
     }
     const auto num = static_cast<double>(fit.patches.size());
-    return ScaleDifference{
-        value, std::sqrt(num / std::max(1.0, num - 7.0) * squares), std::sqrt(left / fit.weights)};
+    return ScaleStep{
+        {value, std::sqrt(num / std::max(1.0, num - 7.0) * squares), std::sqrt(left / fit.weights)},
+        -inverse * (fit.pose_gradient() - value * fit.information.topRightCorner<6, 1>())};
 }
 
 // Returns the size of the step, RMS of its standard deviations: those of the patches, and at least
@@ -212,6 +218,42 @@ Eigen::Vector3d middle(const std::vector<Partner>& partners) {
             num += 1.0;
         }
     return num > 0.0 ? Eigen::Vector3d(sum / num) : sum;
+}
+
+std::vector<Eigen::Vector3f> shrunk(std::span<const Eigen::Vector3f> points,
+                                    const Eigen::Vector3f& about,
+                                    double share) {
+    std::vector<Eigen::Vector3f> result(points.begin(), points.end());
+    for (Eigen::Vector3f& p : result) p = about + static_cast<float>(1.0 - share) * (p - about);
+    return result;
+}
+
+// Returns by how much b is larger than a, near the pose of ICP. Partners are found again with each
+// scale: those of another scale are neighbours, which hides part of the difference.
+std::optional<ScaleDifference> scale_difference(
+    const SurfacePoints& a,
+    const SurfacePoints& b,
+    const CoRegistration& icp,
+    const IcpOptions& options,
+    double reach_m,
+    std::vector<std::optional<std::uint32_t>>& nearest_points) {
+    constexpr int kMaxRounds = 8;
+    constexpr double kSettled_sigmas = 0.1;
+    Eigen::Isometry3d T_a_b = icp.T_a_b;
+    ScaleDifference total;
+    for (int round = 0; round < kMaxRounds; ++round) {
+        const Eigen::Vector3d pivot_b = T_a_b.inverse() * icp.pivot;
+        const auto points = shrunk(b.points, pivot_b.cast<float>(), total.value);
+        const auto partners = find_partners(
+            a, {points, b.normals, b.sigma_m, b.grid}, T_a_b, options, reach_m, nearest_points);
+        const auto step = solve_with_scale(
+            linearise(partners, robust_scale(partners), icp.pivot, options.patch_m));
+        if (!step || !step->pose.allFinite()) return std::nullopt;
+        total = {total.value + step->scale.value, step->scale.sigma, step->scale.lever_m};
+        if (std::abs(step->scale.value) < kSettled_sigmas * step->scale.sigma) break;
+        T_a_b = moved(T_a_b, step->pose, icp.pivot);
+    }
+    return total;
 }
 
 }  // namespace
@@ -252,7 +294,6 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
         // changes.
         const Vector6d step = reach_m > min_reach_m ? solve_upright(fit) : solve(fit);
         result.covariance = sandwich(fit);
-        result.scale = scale_difference(fit);
         result.num_patches = fit.patches.size();
         result.residual_rms_m = std::sqrt(fit.squares / std::max(1e-12, fit.weights));
         result.stable_share = static_cast<double>(fit.num_used) / static_cast<double>(num_found);
@@ -273,6 +314,7 @@ std::optional<CoRegistration> point_to_plane_icp(const SurfacePoints& a,
         }
         reach_m = std::max(min_reach_m, 0.8 * reach_m);
     }
+    result.scale = scale_difference(a, b, result, options, reach_m, nearest_points);
     return result;
 }
 

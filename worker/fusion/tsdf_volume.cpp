@@ -9,6 +9,7 @@
 #include "worker/fusion/packed_values.hpp"
 #include "worker/fusion/recent_blocks.hpp"
 #include "worker/fusion/volume_file.hpp"
+#include "worker/fusion/voxel_size.hpp"
 
 namespace divemesh::fusion {
 namespace {
@@ -96,7 +97,8 @@ int allocation_step_px(std::span<const TsdfView> views) {
     const auto hits_all = [](const TsdfView& view) {
         const float farthest_m = std::min(
             view.max_depth_m,
-            std::sqrt(view.max_sigma_m / (kMinDisparitySigma_px * view.depth_sigma_scale)));
+            std::sqrt(view.max_sigma_m /
+                      (static_cast<float>(kMinDisparitySigma_px) * view.depth_sigma_scale)));
         const float apart_m = kAllocationStep_px * farthest_m / view.focal_px;
         return apart_m <= kMaxStep_voxels * view.voxel_m;
     };
