@@ -13,8 +13,8 @@ namespace divemesh::keyframes {
 
 inline constexpr int kImageWidth_px = 320;
 
-// Returns the rectified left image of a frame, CV_8UC3, whole or reduced to kImageWidth_px of width.
-// Must be thread-safe.
+// Returns the rectified left image of a frame, CV_8UC3, whole or reduced to kImageWidth_px of
+// width. Must be thread-safe.
 using ReadImage = std::function<cv::Mat(int frame_index)>;
 
 // Writes keyframes.json (poses of the rectified left camera, its focal length, file names) and
