@@ -33,7 +33,7 @@ struct ChangeMap {
     cv::Mat sigma_m;         // CV_32F, of `change_m` without the co-registration's part
     cv::Mat registration_m;  // CV_32F, standard deviation of that part
     cv::Mat later_surface;   // CV_32FC3: slopes of b's surface along x and y, and its height, m
-    // Of the co-registration: of a small rotation (rad) and shift (m) of b about a point.
+    // Error of the co-registration: a small rotation (rad) and shift (m) of b about the pivot.
     Eigen::Vector3d pivot = Eigen::Vector3d::Zero();
     Matrix6d registration_covariance = Matrix6d::Zero();
 

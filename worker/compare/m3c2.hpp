@@ -24,7 +24,7 @@ struct M3c2Options {
     float cylinder_m = 0.05F;     // d: diameter
     float reach_m = 0.5F;         // of the cylinder to either side of the core
     float independent_m = 0.0F;   // points nearer to each other than this share their error
-    // Of either surface. With fewer there is no distance, and so no detection either.
+    // Least points of either surface in a cylinder; with fewer the distance is unknown.
     std::size_t min_points = 4;
     // Returns the 95 % bound of the co-registration's error along a direction at a point, m; empty:
     // no error.

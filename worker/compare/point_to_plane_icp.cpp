@@ -79,7 +79,7 @@ double robust_scale(const std::vector<Partner>& partners) {
                                     stats::kSigmasPerMad * stats::upper_median(std::move(sizes)));
 }
 
-// Of rotation, shift and scale, in this order. ICP solves for the pose alone.
+// Normal equations of rotation, shift and scale, in this order. ICP solves for the pose alone.
 struct NormalEquations {
     Matrix7d information = Matrix7d::Zero();
     Vector7d gradient = Vector7d::Zero();

@@ -16,8 +16,8 @@
 namespace divemesh::keyframes {
 namespace {
 
-// Of disparities below 512 px, and of the larger ones that half the size finds in wide images.
 constexpr float kDisparityStep_px = 1.0F / 128.0F;
+// Step in frames with disparities of 512 px and more, which half the size finds in wide images.
 constexpr float kNearDisparityStep_px = 1.0F / 64.0F;
 constexpr float kSigmaStep_px = 1.0F / 64.0F;
 constexpr char kNearMagic[4] = {'D', 'M', 'K', '3'};

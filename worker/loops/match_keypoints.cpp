@@ -11,7 +11,8 @@ namespace {
 
 constexpr int kMaxHammingDistance = 72;
 constexpr double kRatio = 0.85;
-// Of the images as described; corners are at whole pixels of their level.
+// Max distance of a match from where the motion puts it, in the images as described: corners are at
+// whole pixels of their level.
 constexpr double kTolerance_px = 4.0;
 constexpr std::size_t kMinAgreeing = 12;
 constexpr double kSigma_px = 1.0;  // of a corner's position, on its own level

@@ -49,7 +49,7 @@ struct CalibrationUncertainty {
     std::function<Eigen::Matrix3Xd(const Eigen::Vector3d& measured_px)> shift_px;
     Eigen::MatrixXd covariance;        // of these errors
     double time_offset_sigma_s = 0.0;  // of the clocks of the cameras and of the IMU
-    // Of the shares by which the gyroscope's rates are too large, axes of the IMU.
+    // Covariance of the shares by which the gyroscope's rates are too large, axes of the IMU.
     Eigen::Matrix3d rate_error_covariance = Eigen::Matrix3d::Zero();
 };
 

@@ -9,9 +9,9 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr std::size_t kMaxSegments = 8;  // listed one by one
-// Of the depth that keyframes measured. Meshes of rendered dives have 0.89 to 0.97 of it, those of
-// buildings and streets with far backgrounds about 0.7: the rest are rims, and depth that no other
-// frame confirms.
+// Share of the depth measured by keyframes that a mesh should have. Meshes of rendered dives have
+// 0.89 to 0.97, those of buildings and streets with far backgrounds about 0.7: the rest are rims,
+// and depth that no other frame confirms.
 constexpr double kMinCoveredShare = 0.67;
 
 // Shares of the fused depth. Cameras that look ahead over flat ground have a fifth of their image

@@ -82,8 +82,8 @@ struct HalfRows {
     float part;            // from the first to the second
 };
 
-// Of the pixels of the half size from `at` on, these are the first and the second ones around eight
-// pixels of the full size.
+// Return, for eight pixels of the full size, the first and the second pixel of the half size around
+// each, from `at` on.
 DIVEMESH_INLINE_BODY base::Floats firsts(const float* at) {
     const base::Floats values = base::load(at);
     return __builtin_shufflevector(values, values, 0, 1, 1, 2, 2, 3, 3, 4);

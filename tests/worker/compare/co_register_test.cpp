@@ -59,21 +59,26 @@ TEST(CoRegister, FindsAnyHeadingThoughAFifthOfTheGroundHasChanged) {
     }
 }
 
+// Returns the fit of ground that lies where it should.
+std::optional<CoRegistration> icp(const types::Mesh& a, const types::Mesh& b) {
+    const std::vector<float> unknown;
+    const PointGrid grid_a(a.vertices, 0.06F);
+    const PointGrid grid_b(b.vertices, 0.06F);
+    return point_to_plane_icp({a.vertices, a.normals, unknown, grid_a},
+                              {b.vertices, b.normals, unknown, grid_b},
+                              Eigen::Isometry3d::Identity(),
+                              {.num_threads = 2});
+}
+
 TEST(CoRegister, ItsUncertaintyHoldsOverManyDraws) {
     const HeightOf ground = rough_ground(2);
     int num_within = 0;
     constexpr int kDraws = 30;
-    const std::vector<float> unknown;
     for (int draw = 0; draw < kDraws; ++draw) {
         const auto seed = static_cast<unsigned>(10 + 2 * draw);
         const types::Mesh a = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, seed);
         const types::Mesh b = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, seed + 1);
-        const PointGrid grid_a(a.vertices, 0.06F);
-        const PointGrid grid_b(b.vertices, 0.06F);
-        const auto fit = point_to_plane_icp({a.vertices, a.normals, unknown, grid_a},
-                                            {b.vertices, b.normals, unknown, grid_b},
-                                            Eigen::Isometry3d::Identity(),
-                                            {.num_threads = 2});
+        const auto fit = icp(a, b);
         ASSERT_TRUE(fit);
         const Eigen::Vector3d off = fit->T_a_b * fit->pivot - fit->pivot;
         num_within +=
@@ -83,20 +88,13 @@ TEST(CoRegister, ItsUncertaintyHoldsOverManyDraws) {
 }
 
 TEST(CoRegister, RoughGroundShowsByHowMuchOneSurfaceIsLarger) {
-    const std::vector<float> unknown;
     for (unsigned draw = 0; draw < 3; ++draw) {
         const HeightOf ground = rough_ground(40 + draw);
         const types::Mesh a = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, 2 * draw);
         types::Mesh b = ground_mesh(ground, 1.2, 1.0, kStep_m, kNoise_m, 2 * draw + 1);
         for (Eigen::Vector3f& p : b.vertices) p *= 1.01F;
-        const PointGrid grid_a(a.vertices, 0.06F);
-        const PointGrid grid_b(b.vertices, 0.06F);
-        const auto fit = point_to_plane_icp({a.vertices, a.normals, unknown, grid_a},
-                                            {b.vertices, b.normals, unknown, grid_b},
-                                            Eigen::Isometry3d::Identity(),
-                                            {.num_threads = 2});
+        const auto fit = icp(a, b);
         ASSERT_TRUE(fit && fit->scale);
-        std::cout << "scale " << fit->scale->value << " +- " << fit->scale->sigma << "\n";
         EXPECT_NEAR(fit->scale->value, 0.01, 0.001);
         EXPECT_LT(fit->scale->sigma, 0.001);
     }
