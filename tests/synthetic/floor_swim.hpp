@@ -45,6 +45,7 @@ struct FloorSwim {
             track.odometry.push_back(
                 {keyframe.timestamp_ns, keyframe.T_world_cam * track.rig.T_imu_cam.inverse()});
             track.sigmas.push_back({0.01, 0.002});
+            track.motions.push_back(types::MotionSource::Vision);
             keep_images(floor, shown[k], static_cast<int>(k));
             for (int i = 0; i < 80; ++i)
                 start_landmark(k, 20.0 + 31.0 * (i % 10), 20.0 + 28.0 * (i / 10));

@@ -28,6 +28,7 @@ inline types::Track tracked_dive(int num_keyframes, const PathOfFrames& path = T
         const Eigen::Isometry3d T_world_imu = T_world_camera * track.rig.T_imu_cam.inverse();
         track.odometry.push_back({timestamp_ns, T_world_imu});
         track.sigmas.push_back({0.001, 0.0005});
+        track.motions.push_back(types::MotionSource::Vision);
         if (frame % kStep != 0) continue;
         for (types::Feature feature : world.see(T_world_camera, frame, 0.0)) {
             types::Landmark& landmark = seen[feature.id];

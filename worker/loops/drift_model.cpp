@@ -36,11 +36,13 @@ double distance_m(const types::Keyframe& a, const types::Keyframe& b) {
 
 DriftModel::DriftModel(const std::vector<types::Keyframe>& keyframes,
                        const std::vector<types::Landmark>& landmarks,
-                       const imu::InertialPrior* inertial)
+                       const imu::InertialPrior* inertial,
+                       const MotionsInSight& in_sight)
     : path_m_(keyframes.size(), 0.0),
       tracking_gaps_(keyframes.size()),
       segment_(keyframes.size(), 0),
       follows_(keyframes.size(), true),
+      by_frames_alone_(keyframes.size()),
       first_covisible_(keyframes.size()) {
     std::iota(first_covisible_.begin(), first_covisible_.end(), std::size_t{0});
     // Landmarks observed both before and after a keyframe.
@@ -59,11 +61,21 @@ DriftModel::DriftModel(const std::vector<types::Keyframe>& keyframes,
         }
     }
     std::partial_sum(num_passing.begin(), num_passing.end(), num_passing.begin());
+    std::size_t begin = 0;  // of the keyframes that landmarks connect
     for (std::size_t k = 1; k < keyframes.size(); ++k) {
         path_m_[k] = path_m_[k - 1] + distance_m(keyframes[k - 1], keyframes[k]);
         tracking_gaps_[k] = tracking_gaps_[k - 1];
         segment_[k] = segment_[k - 1];
-        if (num_passing[k] >= kMinSharedLandmarks) continue;
+        const bool connected = num_passing[k] >= kMinSharedLandmarks;
+        if (!connected) begin = k;
+        first_covisible_[k] = std::max(first_covisible_[k], begin);
+        if (connected) continue;
+        if (!in_sight.empty() && in_sight[k]) {
+            by_frames_alone_[k] = in_sight[k];
+            tracking_gaps_[k].position_m += in_sight[k]->position_m;
+            tracking_gaps_[k].rotation_rad += in_sight[k]->rotation_rad;
+            continue;
+        }
         const std::int64_t from_ns = keyframes[k - 1].timestamp_ns;
         const std::int64_t to_ns = keyframes[k].timestamp_ns;
         const TrackingGap added = tracking_gap(inertial, from_ns, to_ns);

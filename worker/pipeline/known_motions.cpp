@@ -48,6 +48,12 @@ std::vector<optimisation::KnownMotion> known_motions(const types::Track& track,
                                    pose_at(track.odometry, to.timestamp_ns),
                                std::numbers::sqrt2 * rest->sigma_m,
                                std::numbers::sqrt2 * rest->sigma_rad});
+        } else if (const auto& by_frames = drift.by_frames_alone(k)) {
+            motions.push_back({k,
+                               pose_at(closed.odometry, from.timestamp_ns).inverse() *
+                                   pose_at(closed.odometry, to.timestamp_ns),
+                               by_frames->position_m,
+                               by_frames->rotation_rad});
         } else if (drift.segment(k) != drift.segment(k - 1) &&
                    !inertial.motion(from.timestamp_ns, to.timestamp_ns)) {
             const Eigen::Isometry3d& T_imu_cam = closed.rig.T_imu_cam;

@@ -10,9 +10,11 @@
 namespace divemesh::pipeline {
 
 // Returns the motions between consecutive keyframes that are known besides those by landmarks and
-// IMU. Where the rig rested, the motion is the tracked one, with the sigma of the rest. Where the
-// scene was lost and the IMU measured nothing, it is the predicted one, with the sigma of the drift
-// model. `closed` has the keyframes as they are now; rests and tracked poses are those of `track`.
+// IMU. Where the rig rested, the motion is the tracked one, with the sigma of the rest. Where too
+// few landmarks connect two keyframes but every frame between them was tracked, it is the
+// odometry's. Where the scene was lost and the IMU measured nothing, it is the predicted one, with
+// the sigma of the drift model. `closed` has keyframes and odometry as they are now; rests and the
+// motion over them are those of `track`.
 std::vector<optimisation::KnownMotion> known_motions(const types::Track& track,
                                                      const types::Track& closed,
                                                      const imu::InertialPrior& inertial,

@@ -12,6 +12,7 @@
 #include "worker/loops/close_loops.hpp"
 #include "worker/loops/drift_model.hpp"
 #include "worker/loops/find_loops.hpp"
+#include "worker/loops/motions_in_sight.hpp"
 #include "worker/optimisation/expected_path_error.hpp"
 #include "worker/optimisation/follow_keyframes.hpp"
 #include "worker/optimisation/frame_covariances.hpp"
@@ -40,7 +41,7 @@ public:
           alignment_(alignment),
           progress_(progress),
           inertial_(recording, options, track.left_out),
-          drift_(track.keyframes, track.landmarks, &inertial_) {
+          drift_(track.keyframes, track.landmarks, &inertial_, loops::motions_in_sight(track)) {
         inertial_.set_pressure_error(track.pressure_error_m);
     }
 

@@ -7,6 +7,7 @@
 #include "worker/fusion/voxel_size.hpp"
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/loops/drift_model.hpp"
+#include "worker/loops/motions_in_sight.hpp"
 #include "worker/mesh/extract_surface.hpp"
 #include "worker/pipeline/depth_view_prefetcher.hpp"
 #include "worker/pipeline/estimators.hpp"
@@ -41,7 +42,8 @@ void check_as_tracked(const types::Track& track,
                       const ReconstructionOptions& options,
                       types::OptimisedTrack& result) {
     const imu::InertialPrior inertial(recording, options, track.left_out);
-    const loops::DriftModel drift(track.keyframes, track.landmarks, &inertial);
+    const loops::DriftModel drift(
+        track.keyframes, track.landmarks, &inertial, loops::motions_in_sight(track));
     result.statistics.check.before = agreement(track, track, 1, drift);
     result.statistics.check.after = result.statistics.check.before;
 }

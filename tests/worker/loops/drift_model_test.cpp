@@ -60,5 +60,28 @@ TEST(DriftModelTest, InertiaDoesNotBridgeAGapInTheSamples) {
     EXPECT_FALSE(dive.with_inertia().follows(6));
 }
 
+TEST(DriftModelTest, FramesThatKeepTheSceneInSightConnectKeyframesWithoutLandmarks) {
+    const Dive dive(10.0);
+    MotionsInSight in_sight(dive.keyframes.size());
+    in_sight[6] = {0.02, 0.01};
+    const DriftModel drift(dive.keyframes, dive.landmarks, nullptr, in_sight);
+    EXPECT_TRUE(drift.follows(6));
+    EXPECT_EQ(drift.segment(6), drift.segment(5));
+    ASSERT_TRUE(drift.by_frames_alone(6));
+    EXPECT_FALSE(drift.by_frames_alone(5));
+    const double without_sight_m = dive.without().position_sigma_m(5, 6);
+    EXPECT_LT(drift.position_sigma_m(5, 6), without_sight_m - 2.5);
+    EXPECT_GE(drift.position_sigma_m(5, 6), 0.02);
+}
+
+TEST(DriftModelTest, AFewSharedLandmarksLeaveTheLoopToTheKeyframeBeforeToBeMeasured) {
+    Dive dive(10.0);
+    for (int i = 0; i < 3; ++i) dive.landmarks.push_back({Eigen::Vector3d::Zero(), {{5}, {6}}});
+    const DriftModel drift = dive.without();
+    EXPECT_EQ(drift.first_covisible(5), 3U);
+    EXPECT_EQ(drift.first_covisible(6), 6U);
+    EXPECT_EQ(drift.first_covisible(7), 6U);
+}
+
 }  // namespace
 }  // namespace divemesh::loops

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tests/synthetic/sensor_recording.hpp"
+#include "worker/loops/motions_in_sight.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -24,10 +27,13 @@ protected:
             {0, 0, at(0.0)}, {10, 10 * kSecond_ns, at(0.05)}, {20, 20 * kSecond_ns, at(1.0)}};
         track_.landmarks.assign(50, {Eigen::Vector3d::Zero(), {{0}, {1}, {2}}});
         track_.rests = {{kSecond_ns, 9 * kSecond_ns, 0.002, 0.003}};
+        track_.motions.assign(21, types::MotionSource::Nothing);
+        track_.sigmas.assign(21, {});
     }
     std::vector<optimisation::KnownMotion> motions() const {
         const imu::InertialPrior inertial(recording_, {});
-        const loops::DriftModel drift(track_.keyframes, track_.landmarks, &inertial);
+        const loops::DriftModel drift(
+            track_.keyframes, track_.landmarks, &inertial, loops::motions_in_sight(track_));
         return known_motions(track_, track_, inertial, drift);
     }
 
@@ -55,6 +61,18 @@ TEST_F(KnownMotionsTest, ARestThatBeginsAfterTheNextKeyframeDoesNotConnectThem) 
     track_.keyframes[1].timestamp_ns = kSecond_ns;
     track_.rests = {{kSecond_ns, 9 * kSecond_ns, 0.002, 0.003}};
     EXPECT_TRUE(motions().empty());
+}
+
+TEST_F(KnownMotionsTest, FramesInSightGiveTheMotionWhereNoLandmarksDo) {
+    for (types::Landmark& landmark : track_.landmarks) landmark.observations.pop_back();
+    track_.motions.assign(21, types::MotionSource::Vision);
+    track_.sigmas.assign(21, {0.004, 0.001});
+    const auto known = motions();
+    ASSERT_EQ(known.size(), 2U);
+    EXPECT_EQ(known[1].to, 2U);
+    EXPECT_NEAR(known[1].T_before_to.translation().x(), 1.0, 1e-12);
+    EXPECT_NEAR(known[1].sigma_m, std::sqrt(10.0) * 0.004, 1e-12);
+    EXPECT_NEAR(known[1].sigma_rad, std::sqrt(10.0) * 0.001, 1e-12);
 }
 
 TEST_F(KnownMotionsTest, AnUnmeasuredMotionIsThePredictedOne) {
