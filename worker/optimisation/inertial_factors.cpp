@@ -16,7 +16,7 @@ constexpr double kAhrsTimeConstant_s = 30.0;
 // Recorders turn pressure into depth with the density that they are set to: fresh and sea water
 // differ by 2.5 to 3 %.
 constexpr double kPressureScaleSigma = 0.025;
-constexpr double kInitialGravitySigma = 0.2;  // of the vertical, if the pressure is its only sensor
+constexpr double kInitialGravitySigma = 0.2;  // of the vertical, where hardly anything tells it
 
 // Sets velocities by central differences of the positions.
 void set_velocities(const std::vector<types::Keyframe>& keyframes, std::vector<BodyState>& states) {
@@ -97,6 +97,10 @@ void add_inertial_factors(BundleAdjustment& bundle_adjustment,
                           WorldReference& reference) {
     set_velocities(keyframes, states);
     bool chained = false;  // true if readings from the previous keyframe exist
+    bool moved = false;    // true if a motion from the previous keyframe exists
+    bool has_motion = false;
+    // The velocities before and after a single motion explain any direction of gravity.
+    bool knows_gravity = false;
     for (std::size_t k = 0; k < states.size(); ++k) {
         const std::int64_t now_ns = keyframes[k].timestamp_ns;
         const imu::SensorReadings readings =
@@ -111,7 +115,14 @@ void add_inertial_factors(BundleAdjustment& bundle_adjustment,
         add_relative_factors(
             bundle_adjustment, readings, inertial.noise(), states[k - 1], states[k], reference);
         chained = readings.motion || readings.rotation;
+        knows_gravity = knows_gravity || (moved && readings.motion);
+        moved = readings.motion.has_value();
+        has_motion = has_motion || moved;
     }
+    if (has_motion && !knows_gravity)
+        bundle_adjustment.add_gravity_direction(reference.gravity_direction_world,
+                                                reference.gravity_direction_world,
+                                                kInitialGravitySigma);
     bundle_adjustment.add_depth_scale(reference.depth_scale, kPressureScaleSigma);
 }
 

@@ -36,7 +36,8 @@ WindowTracker::WindowTracker(const types::RectifiedRig& rig,
       sensors_(recording,
                {.imu = options.use_imu && recording.rig().imu_noise, .ahrs = options.use_ahrs},
                plan),
-      mapping_rule_(rig, options.surface ? options.map_step : 0.0) {
+      mapping_rule_(rig, options.surface ? options.map_step : 0.0),
+      last_frame_(recording.num_frames() - 1) {
     if (plan.time_offset_s != 0.0) state_.inertial.align({plan.time_offset_s});
 }
 
@@ -174,7 +175,9 @@ bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,
         return rests ? state_.map.due_at_rest(state_.features)
                      : state_.map.due(state_.features, frame.timestamp_ns);
     };
-    const bool keep = state_.map.empty() || begins || (vision.found && is_due());
+    // The covariance of a path takes two keyframes.
+    const bool ends_with_one = frame.index == last_frame_ && !state_.map.is_adjusted() && !rests;
+    const bool keep = state_.map.empty() || begins || (vision.found && (ends_with_one || is_due()));
     if (keep || !vision.found || (rests && vision.inliers.size() < kMinFeaturesAtRest))
         odometry::add_new_features(state_.rig,
                                    frame,

@@ -61,6 +61,7 @@ private:
     odometry::ImuAligner aligner_;
     imu::SensorWatch sensors_;
     keyframes::MappingRule mapping_rule_;
+    int last_frame_;
     std::optional<features::DescribedKeypoints> view_;  // of a keyframe, for loop closure
     bool ever_found_ = false;                           // vision has measured a motion
     bool lost_from_start_ = false;  // vision has not followed the first keyframe

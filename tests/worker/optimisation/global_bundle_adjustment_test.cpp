@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "tests/synthetic/sensor_recording.hpp"
@@ -57,6 +58,38 @@ TEST_F(LostInBetweenTest, TheCovarianceGrowsByTheMotionModel) {
     EXPECT_NEAR(sigma_m(unmeasured, kBreak), std::sqrt(3.0) * kSigma_m, 0.05);
     EXPECT_GT(sigma_m(unmeasured, kNumKeyframes - 1), sigma_m(unmeasured, kBreak));
     EXPECT_LT(unbroken_m, 0.05);
+}
+
+// Over a single interval of the IMU every direction of gravity fits some velocities.
+class SingleIntervalTest : public testing::Test {
+protected:
+    SingleIntervalTest() { recording_.its_rig.imu_noise = types::ImuNoise{2e-4, 2e-5, 2e-3, 2e-4}; }
+    // Returns the standard deviation of the last position, m; nullopt without covariance.
+    std::optional<double> last_sigma_m(int num_keyframes) const {
+        types::Track track = synthetic::tracked_dive(num_keyframes);
+        const auto adjusted = adjust_globally(
+            track, imu::InertialPrior(recording_, {}), {}, {}, base::ignore_progress, {});
+        if (adjusted.covariances.empty()) return std::nullopt;
+        return std::sqrt(adjusted.covariances.back().position_m2.trace());
+    }
+    synthetic::SensorRecording recording_;
+};
+
+TEST_F(SingleIntervalTest, ADiveOfTwoKeyframesHasACovariance) {
+    const auto by_vision_m = last_sigma_m(2);
+    recording_.its_imu = synthetic::imu_along(synthetic::T_world_imu_at, 0.0, 0.5, {});
+    const auto with_imu_m = last_sigma_m(2);
+    ASSERT_TRUE(by_vision_m && with_imu_m);
+    EXPECT_GT(*with_imu_m, 0.0);
+    EXPECT_LT(*with_imu_m, 1.05 * *by_vision_m);
+}
+
+TEST_F(SingleIntervalTest, SoHasOneWhoseImuHasAGapAfterEach) {
+    recording_.its_imu = synthetic::imu_along(synthetic::T_world_imu_at, 0.0, 1.5, {});
+    std::erase_if(recording_.its_imu, [](const types::ImuSample& sample) {
+        return sample.timestamp_ns > 550'000'000 && sample.timestamp_ns < 950'000'000;
+    });
+    EXPECT_TRUE(last_sigma_m(4));
 }
 
 // An error of the baseline scales the whole dive about its first camera.

@@ -49,9 +49,7 @@ protected:
     // Returns the median error of the motion between frames, with or without knowledge of the gaps.
     double motion_error_m(bool gaps_are_known) const {
         const synthetic::SensorRecording recording;
-        const auto options =
-            make_options("standard", {{"surface", false}, {"use_imu", false}, {"use_ahrs", false}});
-        WindowTracker tracker(rig_, recording, options, {});
+        WindowTracker tracker(rig_, recording, options_, {});
         const Eigen::Isometry3d T_current_previous =
             T_world_cam(kPeriod_s).inverse() * T_world_cam(0.0);
         std::vector<double> errors_m;
@@ -68,6 +66,8 @@ protected:
     }
 
     const types::RectifiedRig rig_ = synthetic::small_rig();
+    const ReconstructionOptions options_ =
+        make_options("standard", {{"surface", false}, {"use_imu", false}, {"use_ahrs", false}});
 };
 
 TEST_F(UnevenPairsTest, TheMotionDuringTheGapOfEachPairIsTakenOff) {
@@ -75,6 +75,25 @@ TEST_F(UnevenPairsTest, TheMotionDuringTheGapOfEachPairIsTakenOff) {
 
     EXPECT_LT(compensated_m, 0.002);
     EXPECT_LT(compensated_m, 0.5 * motion_error_m(false));
+}
+
+struct ShortRecording : synthetic::SensorRecording {
+    int num_frames() const override { return kNumTogether; }
+};
+
+// Without a second keyframe the path would have no covariance.
+TEST_F(UnevenPairsTest, ADiveTooShortForASecondKeyframeEndsWithOne) {
+    const auto keyframes_of = [&](const types::Recording& recording) {
+        WindowTracker tracker(rig_, recording, options_, {});
+        for (int i = 0; i < kNumTogether; ++i) tracker.process(frame(i));
+        types::Track track;
+        tracker.move_to(track);
+        return track.keyframes;
+    };
+    ASSERT_EQ(keyframes_of(synthetic::SensorRecording()).size(), 1U);
+    const auto keyframes = keyframes_of(ShortRecording());
+    ASSERT_EQ(keyframes.size(), 2U);
+    EXPECT_EQ(keyframes[1].frame_index, kNumTogether - 1);
 }
 
 }  // namespace
