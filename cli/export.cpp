@@ -55,8 +55,8 @@ void add_export(CLI::App& app, Context& context) {
     command
         ->add_option("--format",
                      options->formats,
-                     "kitti, euroc (trajectory), obj (mesh), geotiff (mosaic, heights); separate "
-                     "several by commas")
+                     "kitti, euroc (trajectory), obj, las (mesh), geotiff (mosaic, heights), "
+                     "colmap, nerfstudio (keyframes and points); separate several by commas")
         ->required();
     command->add_option(
         "--out", options->out, "output folder; default: the folder of the reconstruction");

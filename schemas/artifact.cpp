@@ -15,6 +15,7 @@ std::string media_type_of(const std::string& name) {
         {".html", "text/html; charset=utf-8"},
         {".tum", "text/plain; charset=utf-8"},
         {".csv", "text/csv; charset=utf-8"},
+        {".txt", "text/plain; charset=utf-8"},
     };
     for (const auto& [extension, type] : kTypes)
         if (name.ends_with(extension)) return std::string(type);

@@ -54,7 +54,7 @@ struct ReconstructionOptions {
     // texture
     bool texture = true;  // the mosaic; there is no texture yet
     // evaluate
-    std::string exports;  // for other programs, comma-separated: kitti, euroc, obj
+    std::string exports;  // for other programs, comma-separated
     // machine: never changes a byte of the result
     int num_threads = 0;  // 0: all cores
     // Limit for voxels and points in memory; more goes to the scratch folder.

@@ -46,6 +46,7 @@ TEST_F(ReconstructionTest, TurnsAnUploadedDiveIntoAMeasuredMesh) {
                              "mosaic.json",
                              "keyframes.json",
                              "metrics.json",
+                             "certificate.json",
                              "report.html"})
         EXPECT_TRUE(fs::exists(result / name)) << name;
     const auto metrics = nlohmann::json::parse(read_text(result / "metrics.json"));

@@ -1,30 +1,18 @@
 #include "worker/compare/free_space.hpp"
 
 #include <algorithm>
-#include <array>
-#include <fstream>
-#include <nlohmann/json.hpp>
 
-#include "schemas/error.hpp"
 #include "worker/compare/compared_segment.hpp"
 
 namespace divemesh::compare {
 
 std::optional<Views> read_views(const io::ReconstructionFolder& folder) {
-    const auto file = folder.path() / "keyframes.json";
-    if (!std::filesystem::exists(file)) return std::nullopt;
-    std::ifstream stream(file);
-    const auto document = nlohmann::json::parse(stream, nullptr, false);
+    if (!std::filesystem::exists(folder.path() / "keyframes.json")) return std::nullopt;
+    const io::KeyframeCamera camera = folder.keyframe_camera();
     Views views;
-    try {
-        views.focal_px = document.at("focal_px").get<double>();
-        const auto center = document.at("principal_point_px").get<std::array<double, 2>>();
-        const auto size = document.at("image_size_px").get<std::array<double, 2>>();
-        views.center_px = {center[0], center[1]};
-        views.size_px = {size[0], size[1]};
-    } catch (const nlohmann::json::exception& error) {
-        throw Error(ErrorCode::BadData, file.string() + ": " + error.what());
-    }
+    views.focal_px = camera.focal_px;
+    views.center_px = camera.center_px;
+    views.size_px = camera.size_px;
     for (const io::KeyframePose& keyframe : compared_keyframes(folder))
         views.T_cam_world.push_back(keyframe.T_world_cam.inverse());
     return views;

@@ -7,9 +7,16 @@
 
 #include "schemas/enum_text.hpp"
 #include "schemas/error.hpp"
+#include "worker/base/atomic_file.hpp"
+#include "worker/io/certificate.hpp"
+#include "worker/io/colmap_writer.hpp"
 #include "worker/io/geographic_frame.hpp"
 #include "worker/io/geotiff_writer.hpp"
+#include "worker/io/las_writer.hpp"
+#include "worker/io/nerfstudio_writer.hpp"
 #include "worker/io/obj_writer.hpp"
+#include "worker/io/posed_images.hpp"
+#include "worker/io/thin_points.hpp"
 #include "worker/io/trajectory_file.hpp"
 
 namespace divemesh::io {
@@ -20,6 +27,9 @@ constexpr EnumText<ExportFormat> kTexts[] = {
     {ExportFormat::Euroc, "euroc"},
     {ExportFormat::Obj, "obj"},
     {ExportFormat::Geotiff, "geotiff"},
+    {ExportFormat::Colmap, "colmap"},
+    {ExportFormat::Nerfstudio, "nerfstudio"},
+    {ExportFormat::Las, "las"},
 };
 
 cv::Mat read_image(const std::filesystem::path& file) {
@@ -90,9 +100,74 @@ std::vector<std::string> export_geotiff(const ReconstructionFolder& reconstructi
     return {"mosaic.tif", "mosaic_height.tif"};
 }
 
+void write_certificate(const std::filesystem::path& folder, const nlohmann::json& certificate) {
+    base::write_file(folder / "certificate.json", certificate.dump(2) + "\n");
+}
+
+// Throws Error{NotFound} if the reconstruction lacks a file of its surface.
+void require_surface(const ReconstructionFolder& reconstruction, const char* file) {
+    if (!std::filesystem::exists(reconstruction.path() / file))
+        throw Error(ErrorCode::NotFound,
+                    std::string("no ") + file + " in " + reconstruction.path().string() +
+                        ": copy the whole reconstruction, or reconstruct the dive with a surface");
+}
+
+// Returns what trainers of splats begin with; points without a colour are grey.
+types::Mesh thinned_cloud(const ReconstructionFolder& reconstruction) {
+    constexpr std::size_t kMaxPoints = 100'000;
+    constexpr types::Color kGrey = {128, 128, 128};
+    require_surface(reconstruction, "cloud.ply");
+    const types::Mesh cloud = reconstruction.cloud();
+    types::Mesh thinned;
+    for (const std::size_t i : thin_points(cloud.vertices, kMaxPoints)) {
+        thinned.vertices.push_back(cloud.vertices[i]);
+        thinned.colors.push_back(cloud.colors.empty() ? kGrey : cloud.colors[i]);
+    }
+    return thinned;
+}
+
+std::vector<std::string> export_colmap(const ReconstructionFolder& reconstruction,
+                                       const nlohmann::json& certificate,
+                                       const std::filesystem::path& out) {
+    const PosedImages images = read_posed_images(reconstruction);
+    const types::Mesh points = thinned_cloud(reconstruction);
+    write_colmap(out / "colmap/sparse/0", images, points, certificate_line(certificate));
+    copy_images(images, out / "colmap/images");
+    write_certificate(out / "colmap", certificate);
+    return {"colmap"};
+}
+
+std::vector<std::string> export_nerfstudio(const ReconstructionFolder& reconstruction,
+                                           const nlohmann::json& certificate,
+                                           const std::filesystem::path& out) {
+    const PosedImages images = read_posed_images(reconstruction);
+    const types::Mesh points = thinned_cloud(reconstruction);
+    write_nerfstudio(out / "nerfstudio", images, points, certificate_line(certificate));
+    copy_images(images, out / "nerfstudio/images");
+    write_certificate(out / "nerfstudio", certificate);
+    return {"nerfstudio"};
+}
+
+std::vector<std::string> export_las(const ReconstructionFolder& reconstruction,
+                                    const std::optional<types::GeographicPosition>& position,
+                                    const nlohmann::json& certificate,
+                                    const std::filesystem::path& out) {
+    require_surface(reconstruction, "mesh.ply");
+    LasDescription description{
+        .utm = std::nullopt, .text = certificate_line(certificate), .date = std::nullopt};
+    if (position) description.utm = utm_frame(*position);
+    if (position && !position->x_azimuth_deg)
+        description.text += "; NORTH NOT KNOWN: y axis taken for it";
+    if (const auto begin = recording_begin(reconstruction.metrics()))
+        description.date = std::chrono::floor<std::chrono::days>(*begin);
+    write_las(out / "surface.las", reconstruction.mesh(), description);
+    return {"surface.las"};
+}
+
 std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
                                     ExportFormat format,
                                     const std::optional<types::GeographicPosition>& position,
+                                    const nlohmann::json& certificate,
                                     const std::filesystem::path& out) {
     switch (format) {
         case ExportFormat::Kitti:
@@ -102,9 +177,14 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
             write_euroc(out / "trajectory_euroc.csv", reconstruction.trajectory());
             return {"trajectory_euroc.csv"};
         case ExportFormat::Obj:
-            write_obj_zip(out / "mesh_obj.zip", reconstruction.mesh());
+            require_surface(reconstruction, "mesh.ply");
+            write_obj_zip(
+                out / "mesh_obj.zip", reconstruction.mesh(), certificate_line(certificate));
             return {"mesh_obj.zip"};
         case ExportFormat::Geotiff: return export_geotiff(reconstruction, position, out);
+        case ExportFormat::Colmap: return export_colmap(reconstruction, certificate, out);
+        case ExportFormat::Nerfstudio: return export_nerfstudio(reconstruction, certificate, out);
+        case ExportFormat::Las: return export_las(reconstruction, position, certificate, out);
     }
     return {};
 }
@@ -144,11 +224,14 @@ std::vector<std::string> export_reconstruction(
     const std::vector<ExportFormat>& formats,
     const std::optional<types::GeographicPosition>& position,
     const std::filesystem::path& out) {
+    const nlohmann::json certificate = certificate_of(reconstruction.metrics());
     std::filesystem::create_directories(out);
     std::vector<std::string> names;
     for (const ExportFormat format : formats)
-        for (std::string& name : export_one(reconstruction, format, position, out))
+        for (std::string& name : export_one(reconstruction, format, position, certificate, out))
             names.push_back(std::move(name));
+    write_certificate(out, certificate);
+    names.emplace_back("certificate.json");
     return names;
 }
 

@@ -16,7 +16,10 @@ namespace divemesh::io {
 //   euroc    trajectory_euroc.csv   the same with timestamps, EuRoC's columns
 //   obj      mesh_obj.zip           Wavefront OBJ and MTL
 //   geotiff  mosaic.tif, mosaic_height.tif   in UTM; needs a position
-enum class ExportFormat { Kitti, Euroc, Obj, Geotiff };
+//   colmap   colmap/images, colmap/sparse/0  keyframes and up to 100,000 points as a sparse model
+//   nerfstudio   nerfstudio/                 the same as transforms.json and points.ply
+//   las      surface.las   vertices with sigma and number of observations; in UTM with a position
+enum class ExportFormat { Kitti, Euroc, Obj, Geotiff, Colmap, Nerfstudio, Las };
 
 // Parses format names separated by commas. Throws Error{InvalidArgument} that lists the valid ones.
 std::vector<ExportFormat> export_formats(std::string_view list);
@@ -25,8 +28,10 @@ std::vector<ExportFormat> export_formats(std::string_view list);
 // has none. Throws Error{BadData} if the position cannot be read.
 std::optional<types::GeographicPosition> position_of(const ReconstructionFolder& reconstruction);
 
-// Writes the formats into `out` and returns the names of the files. Throws Error{InvalidArgument}
-// if a format needs a surface, a mosaic or a position that is missing.
+// Writes the formats and certificate.json into `out`; returns the names of the files, and of the
+// folder of a format that is one, which contains a certificate.json too. Throws Error{NotFound}
+// that names a missing file of the reconstruction, Error{BadData} for a broken one, and
+// Error{InvalidArgument} if a format needs a position that is not known.
 std::vector<std::string> export_reconstruction(
     const ReconstructionFolder& reconstruction,
     const std::vector<ExportFormat>& formats,

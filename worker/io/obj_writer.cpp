@@ -143,12 +143,16 @@ void write_triangles(ObjText& text, const types::Mesh& mesh) {
 
 }  // namespace
 
-void write_obj_zip(const std::filesystem::path& file, const types::Mesh& mesh) {
+void write_obj_zip(const std::filesystem::path& file,
+                   const types::Mesh& mesh,
+                   const std::string& remark) {
     check_mesh(mesh);
     ZipWriter zip(file);
     zip.begin("mesh.obj");
     ObjText text(zip);
-    text.add("# m, z up\nmtllib mesh.mtl\no dive\n");
+    text.add("# m, z up\n");
+    if (!remark.empty()) text.add("# " + remark + "\n");
+    text.add("mtllib mesh.mtl\no dive\n");
     write_vertices(text, mesh);
     text.add("usemtl surface\n");
     write_triangles(text, mesh);

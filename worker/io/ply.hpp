@@ -16,10 +16,12 @@ namespace divemesh::io {
 void write_ply(const std::filesystem::path& file, const types::Mesh& mesh);
 
 // Writes a cloud as PLY, point by point: x y z (float), red green blue (uchar). The number of
-// points must be known in advance.
+// points must be known in advance. `remark` is a comment of one line.
 class CloudPlyWriter {
 public:
-    CloudPlyWriter(const std::filesystem::path& file, std::int64_t num_points);
+    CloudPlyWriter(const std::filesystem::path& file,
+                   std::int64_t num_points,
+                   const std::string& remark = "");
     void add(const Eigen::Vector3f& p_world, const types::Color& color);
     void commit() { output_.commit(); }  // the file does not exist before
 

@@ -1,51 +1,22 @@
-#include <bit>
-#include <cstring>
-
-#include "worker/base/atomic_file.hpp"
 #include "worker/io/mesh_check.hpp"
 #include "worker/io/ply.hpp"
+#include "worker/io/record.hpp"
 
 namespace divemesh::io {
 namespace {
 
-static_assert(std::endian::native == std::endian::little);
-
-// One record at a time, as described by the header.
-class Record {
-public:
-    template <typename Value>
-    void put(const Value& value) {
-        static_assert(std::is_arithmetic_v<Value>);
-        std::memcpy(bytes_ + size_, &value, sizeof value);
-        size_ += sizeof value;
-    }
-    void put(const Eigen::Vector3f& vector) {
-        for (int i = 0; i < 3; ++i) put(vector[i]);
-    }
-    void put(const types::Color& color) {
-        for (const std::uint8_t channel : color) put(channel);
-    }
-    void flush_to(base::AtomicFile& file) {
-        file.write({bytes_, size_});
-        size_ = 0;
-    }
-
-private:
-    char bytes_[64] = {};
-    std::size_t size_ = 0;
-};
-
 constexpr char kColorHeader[] = "property uchar red\nproperty uchar green\nproperty uchar blue\n";
 
-std::string header_start(std::size_t num_vertices) {
+std::string header_start(std::size_t num_vertices, const std::string& remark) {
     return "ply\nformat binary_little_endian 1.0\n"
-           "comment divemesh; metres, world frame, z up\nelement vertex " +
+           "comment divemesh; metres, world frame, z up\n" +
+           (remark.empty() ? "" : "comment " + remark + "\n") + "element vertex " +
            std::to_string(num_vertices) +
            "\nproperty float x\nproperty float y\nproperty float z\n";
 }
 
 std::string mesh_header(const types::Mesh& mesh) {
-    return header_start(mesh.vertices.size()) +
+    return header_start(mesh.vertices.size(), "") +
            "property float nx\nproperty float ny\nproperty float nz\n" +
            (mesh.colors.empty() ? "" : kColorHeader) +
            "property float sigma\nproperty float sigma_local\nproperty uint num_observations\n"
@@ -79,9 +50,11 @@ void write_ply(const std::filesystem::path& file, const types::Mesh& mesh) {
     output.commit();
 }
 
-CloudPlyWriter::CloudPlyWriter(const std::filesystem::path& file, std::int64_t num_points)
+CloudPlyWriter::CloudPlyWriter(const std::filesystem::path& file,
+                               std::int64_t num_points,
+                               const std::string& remark)
     : output_(file) {
-    output_.write(header_start(static_cast<std::size_t>(num_points)) + kColorHeader +
+    output_.write(header_start(static_cast<std::size_t>(num_points), remark) + kColorHeader +
                   "end_header\n");
 }
 

@@ -1,5 +1,6 @@
 #include "worker/io/reconstruction_folder.hpp"
 
+#include <array>
 #include <cmath>
 #include <fstream>
 #include <string>
@@ -24,6 +25,7 @@ using nlohmann::json;
 // makes a folder a reconstruction.
 constexpr std::string_view kFiles[] = {
     "metrics.json",
+    "certificate.json",
     "report.html",
     "mesh.ply",
     "mesh.glb",
@@ -44,12 +46,34 @@ constexpr std::string_view kFiles[] = {
     "mesh_obj.zip",
     "mosaic.tif",
     "mosaic_height.tif",
+    "surface.las",
+    "colmap/certificate.json",
+    "colmap/sparse/0/cameras.bin",
+    "colmap/sparse/0/cameras.txt",
+    "colmap/sparse/0/images.bin",
+    "colmap/sparse/0/images.txt",
+    "colmap/sparse/0/points3D.bin",
+    "colmap/sparse/0/points3D.txt",
+    "nerfstudio/certificate.json",
+    "nerfstudio/transforms.json",
+    "nerfstudio/points.ply",
     // the report on its accuracy
     "accuracy/report.json",
     "accuracy/report.csv",
     "accuracy/report.html",
     "accuracy/junit.xml",
 };
+
+// The folders with images of the keyframes, and all folders of a result, the inner ones first.
+constexpr std::string_view kImageFolders[] = {"keyframes", "colmap/images", "nerfstudio/images"};
+constexpr std::string_view kFolders[] = {"keyframes",
+                                         "accuracy",
+                                         "colmap/images",
+                                         "colmap/sparse/0",
+                                         "colmap/sparse",
+                                         "colmap",
+                                         "nerfstudio/images",
+                                         "nerfstudio"};
 
 json read_json(const std::filesystem::path& file) {
     std::ifstream stream(file);
@@ -158,6 +182,20 @@ bool ReconstructionFolder::is_simplified() const {
 
 json ReconstructionFolder::mosaic() const { return read_json(folder_ / "mosaic.json"); }
 
+types::Mesh ReconstructionFolder::cloud() const { return read_ply(folder_ / "cloud.ply"); }
+
+KeyframeCamera ReconstructionFolder::keyframe_camera() const {
+    const auto file = folder_ / "keyframes.json";
+    const json document = read_json(file);
+    return of_file(file, [&] {
+        const auto center_px = document.at("principal_point_px").get<std::array<double, 2>>();
+        const auto size_px = document.at("image_size_px").get<std::array<double, 2>>();
+        return KeyframeCamera{document.at("focal_px").get<double>(),
+                              {center_px[0], center_px[1]},
+                              {size_px[0], size_px[1]}};
+    });
+}
+
 std::vector<KeyframePose> ReconstructionFolder::keyframes() const {
     const auto file = folder_ / "keyframes.json";
     const json document = read_json(file);
@@ -234,8 +272,8 @@ void remove_reconstruction(const fs::path& folder) {
                            fs::exists(folder / "trajectory_causal.tum", failure);
     if (!is_result) return;
     for (const std::string_view name : kFiles) remove_file(folder / name);
-    remove_keyframe_images(folder / "keyframes");
-    for (const char* emptied : {"keyframes", "accuracy"}) {
+    for (const std::string_view images : kImageFolders) remove_keyframe_images(folder / images);
+    for (const std::string_view emptied : kFolders) {
         std::error_code not_empty;
         if (fs::is_directory(fs::symlink_status(folder / emptied, not_empty)))
             fs::remove(folder / emptied, not_empty);

@@ -26,6 +26,14 @@ struct KeyframePose {
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
 };
 
+// The rectified left camera of the keyframes, at the size in which their surface was matched; the
+// centre of the first pixel is (0, 0). Their images in keyframes/ are smaller.
+struct KeyframeCamera {
+    double focal_px = 0.0;
+    Eigen::Vector2d center_px = Eigen::Vector2d::Zero();
+    Eigen::Vector2d size_px = Eigen::Vector2d::Zero();
+};
+
 // A reconstruction as written by `divemesh reconstruct --out` or downloaded, for reports,
 // measurements and comparisons. Only metrics.json is read by the constructor, all else on request.
 // Every reader throws Error{NotFound} that names the missing file, or Error{BadData} that describes
@@ -48,7 +56,9 @@ public:
     // simplification, sigma_local_m does not: it is noise alone.
     types::Mesh mesh() const;
     bool is_simplified() const;  // mesh.ply has fewer triangles than were reconstructed
+    types::Mesh cloud() const;   // cloud.ply, points with colours
     std::vector<KeyframePose> keyframes() const;
+    KeyframeCamera keyframe_camera() const;
     // Returns the focal length of the rectified images, px, in which the surface was matched.
     // Without keyframes.json it returns that of the left camera at the size the images were read.
     double matched_focal_px() const;  // 0: unknown

@@ -4,6 +4,7 @@
 
 #include "worker/base/atomic_file.hpp"
 #include "worker/base/free_memory.hpp"
+#include "worker/io/certificate.hpp"
 #include "worker/io/exports.hpp"
 #include "worker/io/reconstruction_folder.hpp"
 #include "worker/pipeline/build_id.hpp"
@@ -25,10 +26,12 @@ void write_exports(const Reconstruction& made) {
     io::export_reconstruction(folder, formats, position, made.request.out);
 }
 
-// Writes metrics.json and the report; returns the content of metrics.json.
+// Writes metrics.json, its certificate and the report; returns the content of metrics.json.
 nlohmann::json write_documents(const Reconstruction& made) {
     auto document = metrics_of(made);
     base::write_file(made.artifact("metrics.json"), document.dump(2) + "\n");
+    base::write_file(made.artifact("certificate.json"),
+                     io::certificate_of(document).dump(2) + "\n");
     base::write_file(made.artifact("report.html"),
                      report::report_html({.metrics = document,
                                           .trajectory = made.optimised.trajectory,

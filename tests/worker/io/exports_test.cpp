@@ -11,7 +11,7 @@
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
 
-#include "tests/worker/io/test_files.hpp"
+#include "tests/worker/io/exported_folder.hpp"
 #include "worker/io/geographic_frame.hpp"
 #include "worker/io/geotiff_writer.hpp"
 #include "worker/io/obj_writer.hpp"
@@ -183,6 +183,12 @@ TEST_F(ExportsTest, AnObjZipHoldsMeshAndMaterial) {
     EXPECT_NE(files["mesh.mtl"].find("newmtl surface\n"), std::string::npos);
 }
 
+TEST_F(ExportsTest, ARemarkIsACommentOfTheObj) {
+    write_obj_zip(file("mesh.zip"), tetrahedron(), "verdict: good");
+
+    EXPECT_TRUE(unzipped(file("mesh.zip"))["mesh.obj"].starts_with("# m, z up\n# verdict: good\n"));
+}
+
 TEST_F(ExportsTest, TheSameMeshGivesTheSameZip) {
     write_obj_zip(file("one.zip"), tetrahedron());
     write_obj_zip(file("two.zip"), tetrahedron());
@@ -202,8 +208,65 @@ TEST_F(ExportsTest, AGeoTiffWithoutAPositionSaysWhereToWriteOne) {
     EXPECT_NE(std::string(error.what()).find("dive.json"), std::string::npos);
 }
 
+class ExportsOfAFolderTest : public ExportedFolderTest {
+protected:
+    Error refusal(ExportFormat format) const {
+        return error_of(
+            [&] { export_reconstruction(open(), {format}, std::nullopt, file("out")); });
+    }
+};
+
+TEST_F(ExportsOfAFolderTest, AMissingSurfaceIsNamed) {
+    for (const char* name : {"cloud.ply", "mesh.ply"}) std::filesystem::remove(file(name));
+    const std::vector<std::pair<ExportFormat, std::string>> needed = {
+        {ExportFormat::Obj, "mesh.ply"},
+        {ExportFormat::Las, "mesh.ply"},
+        {ExportFormat::Colmap, "cloud.ply"},
+        {ExportFormat::Nerfstudio, "cloud.ply"}};
+    for (const auto& [format, name] : needed) {
+        EXPECT_EQ(refusal(format).code(), ErrorCode::NotFound) << name;
+        EXPECT_NE(std::string(refusal(format).what()).find(name), std::string::npos);
+    }
+}
+
+TEST_F(ExportsOfAFolderTest, ABrokenSurfaceIsBadData) {
+    for (const char* name : {"cloud.ply", "mesh.ply"})
+        write(name,
+              "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nend_header\n");
+    for (const auto format : {ExportFormat::Las, ExportFormat::Colmap, ExportFormat::Nerfstudio})
+        EXPECT_EQ(refusal(format).code(), ErrorCode::BadData);
+}
+
+TEST_F(ExportsOfAFolderTest, BrokenKeyframesAreBadData) {
+    write("keyframes.json", R"({"keyframes": [{"frame_index": "seven"}]})");
+
+    for (const auto format : {ExportFormat::Colmap, ExportFormat::Nerfstudio})
+        EXPECT_EQ(refusal(format).code(), ErrorCode::BadData);
+}
+
+TEST_F(ExportsOfAFolderTest, PointsWithoutAColourAreGrey) {
+    write("cloud.ply",
+          "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty float y\n"
+          "property float z\nend_header\n1 2 3\n");
+
+    export_reconstruction(open(), {ExportFormat::Nerfstudio}, std::nullopt, file("out"));
+
+    EXPECT_EQ(read_ply(file("out/nerfstudio/points.ply")).colors[0], (types::Color{128, 128, 128}));
+}
+
+TEST_F(ExportsOfAFolderTest, TheNextReconstructionRemovesThem) {
+    export_reconstruction(open(),
+                          {ExportFormat::Colmap, ExportFormat::Nerfstudio, ExportFormat::Las},
+                          std::nullopt,
+                          file(""));
+
+    remove_reconstruction(file(""));
+
+    EXPECT_TRUE(std::filesystem::is_empty(file("")));
+}
+
 TEST(ExportFormatTest, AnUnknownFormatIsToldWithThoseThatAreThere) {
-    EXPECT_EQ(export_formats("kitti,obj").size(), 2U);
+    EXPECT_EQ(export_formats("kitti,obj,colmap,nerfstudio,las").size(), 5U);
     const Error error = error_of([] { export_formats("kitti,stl"); });
     EXPECT_NE(std::string(error.what()).find("geotiff"), std::string::npos);
 }

@@ -117,6 +117,7 @@ TEST_F(ReconstructDiveTest, WithoutASurfaceTheTrajectoriesAreTheSameAndNothingEl
                                      "trajectory_causal.tum",
                                      "trajectory_covariance.csv",
                                      "metrics.json",
+                                     "certificate.json",
                                      "report.html"}));
     for (const auto* name :
          {"trajectory.tum", "trajectory_causal.tum", "trajectory_covariance.csv"})
@@ -151,6 +152,7 @@ TEST_F(ReconstructDiveTest, ADiveThatCannotBeTrackedKeepsWhatIsKnownAndIsNotUsab
                                      "trajectory_covariance.csv",
                                      "trajectory_predicted.tum",
                                      "metrics.json",
+                                     "certificate.json",
                                      "report.html"}));
     EXPECT_NE(content(folder_ / "blank/report.html").find("Not usable"), std::string::npos);
 }
@@ -192,7 +194,7 @@ TEST_F(ReconstructDiveTest, ADiveThatIsRefusedTellsItsFindingsFirst) {
 }
 
 TEST_F(ReconstructDiveTest, ARefusedDiveLeavesNothingOfAnEarlierResultButWhatItsUserKeeps) {
-    reconstruct("model", {{"voxel_m", 0.02}, {"exports", "kitti,euroc,obj"}});
+    reconstruct("model", {{"voxel_m", 0.02}, {"exports", "kitti,euroc,obj,colmap,nerfstudio,las"}});
     ASSERT_TRUE(fs::exists(folder_ / "model/mosaic.pgw"));
     std::ofstream(folder_ / "model/notes.txt") << "kept";
     fs::remove(folder_ / "dive/mav0/cam1/sensor.yaml");

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "worker/io/reconstruction_folder.hpp"
+
+namespace divemesh::io {
+
+// The image of a keyframe and its pose; z forward, x right, y down.
+struct PosedImage {
+    std::string name;  // 000012.jpg
+    std::filesystem::path file;
+    Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();
+};
+
+// The small images of the keyframes with the pinhole camera of them all. Pixels count from the
+// corner of the image, as in COLMAP and nerfstudio: the centre of the first one is at (0.5, 0.5),
+// where our own files have (0, 0).
+struct PosedImages {
+    int width_px = 0;
+    int height_px = 0;
+    double focal_px = 0.0;
+    Eigen::Vector2d center_px = Eigen::Vector2d::Zero();
+    std::vector<PosedImage> images;  // in the order of time
+};
+
+// Reads keyframes.json and the sizes of the images in keyframes/. Throws Error{NotFound} that names
+// a missing file, Error{BadData} for a file that is broken, an image of another size, or a frame
+// that is named twice.
+PosedImages read_posed_images(const ReconstructionFolder& reconstruction);
+
+// Copies the images into a folder. Throws as AtomicFile does.
+void copy_images(const PosedImages& images, const std::filesystem::path& folder);
+
+}  // namespace divemesh::io
