@@ -102,7 +102,7 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
             write_euroc(out / "trajectory_euroc.csv", reconstruction.trajectory());
             return {"trajectory_euroc.csv"};
         case ExportFormat::Obj:
-            write_obj_zip(out / "mesh_obj.zip", reconstruction.mesh());
+            write_obj_zip(out / "mesh_obj.zip", reconstruction.mesh(), nullptr);
             return {"mesh_obj.zip"};
         case ExportFormat::Geotiff: return export_geotiff(reconstruction, position, out);
     }
