@@ -178,8 +178,10 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
             return {"trajectory_euroc.csv"};
         case ExportFormat::Obj:
             require_surface(reconstruction, "mesh.ply");
-            write_obj_zip(
-                out / "mesh_obj.zip", reconstruction.mesh(), certificate_line(certificate));
+            write_obj_zip(out / "mesh_obj.zip",
+                          reconstruction.mesh(),
+                          nullptr,
+                          certificate_line(certificate));
             return {"mesh_obj.zip"};
         case ExportFormat::Geotiff: return export_geotiff(reconstruction, position, out);
         case ExportFormat::Colmap: return export_colmap(reconstruction, certificate, out);

@@ -8,10 +8,13 @@
 #include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "schemas/error.hpp"
+#include "worker/io/glb_buffers.hpp"
+#include "worker/io/gltf.hpp"
 #include "worker/io/mesh_reader.hpp"
 #include "worker/io/ply.hpp"
 
@@ -22,12 +25,7 @@ using nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little);
 
-constexpr int kUnsignedByte = 5121;  // glTF component types
-constexpr int kUnsignedShort = 5123;
-constexpr int kUnsignedInt = 5125;
-constexpr int kFloat = 5126;
-constexpr int kPoints = 0;  // modes
-constexpr int kTriangles = 4;
+constexpr int kPoints = 0;     // mode of a primitive
 constexpr int kMaxDepth = 64;  // of nested nodes
 
 std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
@@ -36,23 +34,15 @@ std::uint32_t word_at(std::string_view bytes, std::size_t offset) {
     return word;
 }
 
-// Values of an accessor, checked to be inside the buffer.
-struct Span {
-    const char* data = nullptr;
-    std::size_t count = 0;
-    std::size_t stride_bytes = 0;
-    int component_type = 0;
-};
-
 class GlbReader {
 public:
     explicit GlbReader(const std::string& name) : name_(name) {}
 
     types::Mesh read(std::string_view bytes) try {
         split(bytes);
-        const auto& scenes = member("scenes");
-        const json& scene = entry(scenes, document_.value("scene", 0), "scene");
+        const json& scene = glb_entry(document_, "scenes", document_.value("scene", 0), name_);
         const Eigen::Affine3d z_up(Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitX()));
+        buffers_.emplace(document_, buffer_, name_);
         for (const json& node : scene.value("nodes", json::array()))
             add_node(node.get<int>(), z_up, 0);
         if (mesh_.vertices.empty()) fail("its scene has no positions");
@@ -62,9 +52,7 @@ public:
     }
 
 private:
-    [[noreturn]] void fail(const std::string& what) const {
-        throw Error(ErrorCode::BadData, name_ + ": " + what + ": export it as glTF 2.0 binary");
-    }
+    [[noreturn]] void fail(const std::string& what) const { fail_glb(name_, what); }
 
     // Header, JSON chunk, binary chunk (glTF 2.0, section 4.4).
     void split(std::string_view bytes) {
@@ -82,60 +70,10 @@ private:
         buffer_ = rest.substr(8, buffer_bytes);
     }
 
-    const json& member(const char* key) const {
-        const auto found = document_.find(key);
-        if (found == document_.end() || !found->is_array()) fail(std::string("it has no ") + key);
-        return *found;
-    }
-
-    const json& entry(const json& list, std::int64_t index, const char* what) const {
-        if (index < 0 || index >= std::ssize(list))
-            fail(std::string("it refers to a ") + what + " that does not exist");
-        return list[static_cast<std::size_t>(index)];
-    }
-
-    static std::size_t size_of(int component_type) {
-        switch (component_type) {
-            case kUnsignedByte: return 1;
-            case kUnsignedShort: return 2;
-            case kUnsignedInt:
-            case kFloat: return 4;
-            default: return 0;
-        }
-    }
-
-    Span span_of(std::int64_t accessor_index, std::string_view type, std::size_t num_components) {
-        const json& accessor = entry(member("accessors"), accessor_index, "accessor");
-        if (accessor.value("type", "") != type || accessor.contains("sparse"))
-            fail("an accessor is sparse or not of type " + std::string(type));
-        const json& view =
-            entry(member("bufferViews"), accessor.value("bufferView", -1), "buffer view");
-        if (view.value("buffer", -1) != 0) fail("its data is in another file");
-        Span span;
-        span.component_type = accessor.value("componentType", 0);
-        const std::size_t size_bytes = num_components * size_of(span.component_type);
-        const auto begin = accessor.value("byteOffset", std::uint64_t{0});
-        const auto view_begin = view.value("byteOffset", std::uint64_t{0});
-        const auto view_bytes = view.value("byteLength", std::uint64_t{0});
-        const auto count = accessor.value("count", std::uint64_t{0});
-        span.stride_bytes = view.value("byteStride", std::uint64_t{size_bytes});
-        if (size_bytes == 0 || span.stride_bytes < size_bytes || span.stride_bytes > 252)
-            fail("an accessor has a component type or stride that glTF does not define");
-        const bool is_inside =
-            view_begin <= buffer_.size() && view_bytes <= buffer_.size() - view_begin &&
-            begin <= view_bytes &&
-            (count == 0 || (view_bytes - begin >= size_bytes &&
-                            count - 1 <= (view_bytes - begin - size_bytes) / span.stride_bytes));
-        if (!is_inside) fail("an accessor reaches beyond its buffer");
-        span.count = count;
-        span.data = buffer_.data() + view_begin + begin;
-        return span;
-    }
-
     void add_node(int index, const Eigen::Affine3d& T_scene_parent, int depth) {
         if (depth > kMaxDepth) fail("its nodes are nested too deeply");
-        const json& node = entry(member("nodes"), index, "node");
-        visited_.resize(member("nodes").size(), false);
+        const json& node = glb_entry(document_, "nodes", index, name_);
+        visited_.resize(document_.at("nodes").size(), false);
         if (visited_[static_cast<std::size_t>(index)]) fail("a node has two parents");
         visited_[static_cast<std::size_t>(index)] = true;
         const Eigen::Affine3d T_scene_node = T_scene_parent * transform_of(node);
@@ -160,35 +98,39 @@ private:
     }
 
     void add_mesh(int index, const Eigen::Affine3d& T_scene_node) {
-        for (const json& primitive : entry(member("meshes"), index, "mesh").at("primitives")) {
-            const int mode = primitive.value("mode", kTriangles);
-            if (mode != kTriangles && mode != kPoints) continue;
+        for (const json& primitive :
+             glb_entry(document_, "meshes", index, name_).at("primitives")) {
+            const int mode = primitive.value("mode", kGltfTriangles);
+            if (mode != kGltfTriangles && mode != kPoints) continue;
             const auto first = mesh_.vertices.size();
-            const auto positions =
-                span_of(primitive.at("attributes").at("POSITION").get<int>(), "VEC3", 3);
-            if (positions.component_type != kFloat) fail("positions are not floats");
+            const AccessorValues positions = buffers_->values_of(
+                primitive.at("attributes").at("POSITION").get<int>(), "VEC3", 3);
             if (positions.count > max_entries() - first) fail("it shows its meshes too often");
             for (std::size_t i = 0; i < positions.count; ++i) {
-                Eigen::Vector3f p;
-                std::memcpy(p.data(), positions.data + i * positions.stride_bytes, sizeof p);
-                p = (T_scene_node * p.cast<double>()).cast<float>();
+                const Eigen::Vector3d stored(positions.component(i, 0),
+                                             positions.component(i, 1),
+                                             positions.component(i, 2));
+                const Eigen::Vector3f p = (T_scene_node * stored).cast<float>();
                 if (!p.allFinite()) fail("a position is not finite");
                 mesh_.vertices.push_back(p);
             }
-            if (mode == kTriangles) add_triangles(primitive, first, positions.count);
+            if (mode == kGltfTriangles) add_triangles(primitive, first, positions.count);
         }
     }
 
     void add_triangles(const json& primitive, std::size_t first, std::size_t num_vertices) {
         std::vector<std::uint32_t> corners;
         if (primitive.contains("indices")) {
-            const Span indices = span_of(primitive["indices"].get<int>(), "SCALAR", 1);
-            if (indices.component_type == kFloat) fail("indices are floats instead of integers");
+            const AccessorValues indices =
+                buffers_->values_of(primitive["indices"].get<int>(), "SCALAR", 1);
+            if (indices.component_type != kGltfUnsignedByte &&
+                indices.component_type != kGltfUnsignedShort &&
+                indices.component_type != kGltfUnsignedInt)
+                fail("indices are not unsigned integers");
+            if (indices.count / 3 > max_entries() - mesh_.triangles.size())
+                fail("it shows its meshes too often");
             for (std::size_t i = 0; i < indices.count; ++i) {
-                std::uint32_t corner = 0;
-                std::memcpy(&corner,
-                            indices.data + i * indices.stride_bytes,
-                            size_of(indices.component_type));
+                const std::uint32_t corner = indices.integer(i);
                 if (corner >= num_vertices)
                     fail("a triangle refers to a vertex that does not exist");
                 corners.push_back(corner);
@@ -210,6 +152,7 @@ private:
     const std::string& name_;
     json document_;
     std::string_view buffer_;
+    std::optional<GlbBuffers> buffers_;
     std::vector<bool> visited_;  // nodes
     types::Mesh mesh_;
 };

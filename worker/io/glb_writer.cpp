@@ -1,36 +1,26 @@
 #include "worker/io/glb_writer.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
+#include <meshoptimizer.h>
 
 #include "schemas/error.hpp"
-#include "worker/base/atomic_file.hpp"
+#include "worker/io/glb_document.hpp"
+#include "worker/io/gltf.hpp"
+#include "worker/io/jpeg.hpp"
 #include "worker/io/mesh_check.hpp"
+#include "worker/io/mesh_part.hpp"
+#include "worker/io/position_lattice.hpp"
 
 namespace divemesh::io {
 namespace {
 
 using nlohmann::json;
 
-static_assert(std::endian::native == std::endian::little);
-
-constexpr int kUnsignedShort = 5123;  // glTF component types
-constexpr int kUnsignedInt = 5125;
-constexpr int kFloat = 5126;
-constexpr int kVertexBuffer = 34962;  // buffer view targets
-constexpr int kIndexBuffer = 34963;
-
 using LinearColor = std::array<std::uint16_t, 4>;
-
-template <typename Value>
-std::string_view bytes_of(const std::vector<Value>& values) {
-    return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value)};
-}
 
 // Converts by IEC 61966-2-1.
 std::uint16_t linear_from_srgb(std::uint8_t srgb) {
@@ -39,138 +29,192 @@ std::uint16_t linear_from_srgb(std::uint8_t srgb) {
     return static_cast<std::uint16_t>(std::lround(linear * 65535.0));
 }
 
-std::vector<LinearColor> linear_colors(const std::vector<types::Color>& colors) {
+std::array<std::uint16_t, 256> linear_table() {
     std::array<std::uint16_t, 256> table{};
     for (std::size_t i = 0; i < table.size(); ++i)
         table[i] = linear_from_srgb(static_cast<std::uint8_t>(i));
-    std::vector<LinearColor> linear;
-    linear.reserve(colors.size());
-    for (const types::Color& color : colors)
-        linear.push_back({table[color[0]], table[color[1]], table[color[2]], 65535});
-    return linear;
+    return table;
 }
 
-// Builds the document and the buffer together; each accessor has its own buffer view.
-class Document {
-public:
-    template <typename Value>
-    int add(const std::vector<Value>& values, int target, json accessor) {
-        const std::string_view bytes = bytes_of(values);
-        views_.push_back({{"buffer", 0},
-                          {"byteOffset", size_bytes_},
-                          {"byteLength", bytes.size()},
-                          {"target", target}});
-        accessor["bufferView"] = views_.size() - 1;
-        accessors_.push_back(std::move(accessor));
-        parts_.push_back(bytes);
-        size_bytes_ += bytes.size();
-        return static_cast<int>(accessors_.size()) - 1;
+// Adds the least and the greatest value of each component, which glTF requires of positions.
+template <typename Value, std::size_t kSize>
+void state_bounds(const std::vector<std::array<Value, kSize>>& values, json& accessor) {
+    for (std::size_t i = 0; i < 3; ++i) {
+        const auto [low, high] =
+            std::minmax_element(values.begin(), values.end(), [i](const auto& a, const auto& b) {
+                return a[i] < b[i];
+            });
+        accessor["min"].push_back((*low)[i]);
+        accessor["max"].push_back((*high)[i]);
     }
+}
 
-    json finish(const json& primitive) const {
-        const double half = std::sqrt(0.5);
-        json document = {{"asset", {{"version", "2.0"}, {"generator", "divemesh"}}},
-                         {"scene", 0},
-                         {"scenes", {{{"name", "dive"}}}}};
-        if (parts_.empty()) return document;
-        document["scenes"][0]["nodes"] = {0};
-        document["nodes"] = {
-            {{"name", "z_up_to_y_up"}, {"mesh", 0}, {"rotation", {-half, 0.0, 0.0, half}}}};
-        document["meshes"] = {{{"primitives", {primitive}}}};
-        document["materials"] = {
-            {{"pbrMetallicRoughness", {{"metallicFactor", 0.0}, {"roughnessFactor", 1.0}}},
-             {"doubleSided", true},
-             {"extensions", {{"KHR_materials_unlit", json::object()}}}}};
-        document["extensionsUsed"] = {"KHR_materials_unlit"};
-        document["accessors"] = accessors_;
-        document["bufferViews"] = views_;
-        document["buffers"] = {{{"byteLength", size_bytes_}}};
+// Puts the vertices into the order that graphics cards draw fastest and that compresses best.
+// Returns the corners of the triangles in theirs.
+std::vector<std::uint32_t> sort_for_drawing(MeshPart& part) {
+    const std::size_t num_vertices = part.mesh_vertex.size();
+    std::vector<std::uint32_t> corners(3 * part.triangles.size());
+    meshopt_optimizeVertexCache(
+        corners.data(), part.triangles.front().data(), corners.size(), num_vertices);
+    std::vector<unsigned> order(num_vertices);
+    meshopt_optimizeVertexFetchRemap(order.data(), corners.data(), corners.size(), num_vertices);
+    const MeshPart before = part;
+    for (std::size_t i = 0; i < num_vertices; ++i) {
+        part.mesh_vertex[order[i]] = before.mesh_vertex[i];
+        if (!part.uv.empty()) part.uv[order[i]] = before.uv[i];
+    }
+    for (std::uint32_t& corner : corners) corner = order[corner];
+    return corners;
+}
+
+class GlbWriter {
+public:
+    GlbWriter(GlbFile& file,
+              const types::Mesh& mesh,
+              const types::Texture* texture,
+              GlbCompression compression)
+        : mesh_(mesh),
+          texture_(texture),
+          is_quantised_(compression != GlbCompression::None),
+          normals_(unit_normals(mesh)),
+          lattice_(position_lattice(mesh)),
+          document_(file, compression) {}
+
+    json write() {
+        const auto num_atlases = texture_ == nullptr ? 0 : std::ssize(texture_->atlases);
+        for (std::int32_t atlas = 0; atlas < num_atlases; ++atlas) add_part(atlas);
+        add_part(types::Texture::kUntextured);
+        json document = document_.finish(primitives_, node());
+        if (is_quantised_)
+            document["asset"]["extras"] = {{"max_position_error_m", lattice_.max_error_m()}};
         return document;
     }
 
-    const std::vector<std::string_view>& parts() const { return parts_; }
-    std::size_t size_bytes() const { return size_bytes_; }
-
 private:
-    json accessors_ = json::array();
-    json views_ = json::array();
-    std::vector<std::string_view> parts_;
-    std::size_t size_bytes_ = 0;
+    void add_part(std::int32_t atlas) {
+        MeshPart part = mesh_part(mesh_, texture_, atlas);
+        if (part.triangles.empty()) return;
+        const std::vector<std::uint32_t> corners = sort_for_drawing(part);
+        json primitive = {{"mode", kGltfTriangles}};
+        json& attributes = primitive["attributes"];
+        attributes["POSITION"] = is_quantised_ ? add_lattice_points(part) : add_positions(part);
+        attributes["NORMAL"] = is_quantised_ ? add_byte_normals(part) : add_normals(part);
+        if (!part.uv.empty())
+            attributes["TEXCOORD_0"] = is_quantised_ ? add_short_uv(part) : add_uv(part);
+        else if (!mesh_.colors.empty())
+            attributes["COLOR_0"] = add_colors(part);
+        primitive["indices"] = document_.add_triangles(corners, part.mesh_vertex.size());
+        primitive["material"] = atlas == types::Texture::kUntextured
+                                    ? document_.add_material()
+                                    : document_.add_material(encode_jpeg(
+                                          texture_->atlases[static_cast<std::size_t>(atlas)]));
+        primitives_.push_back(std::move(primitive));
+    }
+
+    int add_positions(const MeshPart& part) {
+        std::vector<std::array<float, 3>> values;
+        values.reserve(part.mesh_vertex.size());
+        for (const std::uint32_t vertex : part.mesh_vertex) {
+            const Eigen::Vector3f& p = mesh_.vertices[vertex];
+            values.push_back({p.x(), p.y(), p.z()});
+        }
+        json accessor = {{"componentType", kGltfFloat}, {"type", "VEC3"}};
+        state_bounds(values, accessor);
+        return document_.add_attribute(values, std::move(accessor));
+    }
+
+    int add_lattice_points(const MeshPart& part) {
+        std::vector<std::array<std::uint16_t, 4>> values;
+        values.reserve(part.mesh_vertex.size());
+        for (const std::uint32_t vertex : part.mesh_vertex) {
+            const auto steps = lattice_.nearest(mesh_.vertices[vertex]);
+            values.push_back({steps[0], steps[1], steps[2], 0});
+        }
+        json accessor = {{"componentType", kGltfUnsignedShort}, {"type", "VEC3"}};
+        state_bounds(values, accessor);
+        return document_.add_attribute(values, std::move(accessor));
+    }
+
+    int add_normals(const MeshPart& part) {
+        std::vector<Eigen::Vector3f> values;
+        values.reserve(part.mesh_vertex.size());
+        for (const std::uint32_t vertex : part.mesh_vertex) values.push_back(normals_[vertex]);
+        return document_.add_attribute(values, {{"componentType", kGltfFloat}, {"type", "VEC3"}});
+    }
+
+    int add_byte_normals(const MeshPart& part) {
+        std::vector<std::array<std::int8_t, 4>> values;
+        values.reserve(part.mesh_vertex.size());
+        for (const std::uint32_t vertex : part.mesh_vertex) {
+            auto& value = values.emplace_back();
+            for (std::size_t i = 0; i < 3; ++i)
+                value[i] = static_cast<std::int8_t>(
+                    std::lround(127.0F * normals_[vertex][static_cast<Eigen::Index>(i)]));
+        }
+        return document_.add_attribute(
+            values, {{"componentType", kGltfByte}, {"normalized", true}, {"type", "VEC3"}});
+    }
+
+    int add_uv(const MeshPart& part) {
+        return document_.add_attribute(part.uv, {{"componentType", kGltfFloat}, {"type", "VEC2"}});
+    }
+
+    int add_short_uv(const MeshPart& part) {
+        std::vector<std::array<std::uint16_t, 2>> values;
+        values.reserve(part.uv.size());
+        for (const Eigen::Vector2f& uv : part.uv)
+            values.push_back({static_cast<std::uint16_t>(std::lround(65535.0F * uv.x())),
+                              static_cast<std::uint16_t>(std::lround(65535.0F * uv.y()))});
+        return document_.add_attribute(
+            values,
+            {{"componentType", kGltfUnsignedShort}, {"normalized", true}, {"type", "VEC2"}});
+    }
+
+    int add_colors(const MeshPart& part) {
+        static const std::array<std::uint16_t, 256> table = linear_table();
+        std::vector<LinearColor> values;
+        values.reserve(part.mesh_vertex.size());
+        for (const std::uint32_t vertex : part.mesh_vertex) {
+            const types::Color& color = mesh_.colors[vertex];
+            values.push_back({table[color[0]], table[color[1]], table[color[2]], 65535});
+        }
+        return document_.add_attribute(
+            values,
+            {{"componentType", kGltfUnsignedShort}, {"normalized", true}, {"type", "VEC4"}});
+    }
+
+    json node() const {
+        const double half = std::sqrt(0.5);
+        json node = {{"name", "z_up_to_y_up"}, {"mesh", 0}, {"rotation", {-half, 0.0, 0.0, half}}};
+        if (!is_quantised_) return node;
+        // The rotation turns (x, y, z) into (x, z, -y).
+        node["translation"] = {lattice_.low_m.x(), lattice_.low_m.z(), -lattice_.low_m.y()};
+        node["scale"] = {lattice_.step_m, lattice_.step_m, lattice_.step_m};
+        return node;
+    }
+
+    const types::Mesh& mesh_;
+    const types::Texture* texture_;
+    bool is_quantised_;
+    std::vector<Eigen::Vector3f> normals_;
+    PositionLattice lattice_;
+    GlbDocument document_;
+    json primitives_ = json::array();
 };
-
-json vector_of(const Eigen::Vector3f& v) { return {v.x(), v.y(), v.z()}; }
-
-json position_accessor(const std::vector<Eigen::Vector3f>& vertices) {
-    Eigen::Vector3f low = vertices.front();
-    Eigen::Vector3f high = vertices.front();
-    for (const Eigen::Vector3f& vertex : vertices) {
-        low = low.cwiseMin(vertex);
-        high = high.cwiseMax(vertex);
-    }
-    return {{"componentType", kFloat},
-            {"type", "VEC3"},
-            {"count", vertices.size()},
-            {"min", vector_of(low)},
-            {"max", vector_of(high)}};
-}
-
-std::string little_endian(std::uint32_t value) {
-    std::string bytes(sizeof value, '\0');
-    std::memcpy(bytes.data(), &value, sizeof value);
-    return bytes;
-}
-
-// Header, JSON chunk, binary chunk (glTF 2.0, section 4.4).
-void write_chunks(const std::filesystem::path& file, std::string text, const Document& document) {
-    text.resize((text.size() + 3) / 4 * 4, ' ');
-    const bool has_buffer = document.size_bytes() > 0;
-    const std::size_t total = 12 + 8 + text.size() + (has_buffer ? 8 + document.size_bytes() : 0);
-    if (total > std::numeric_limits<std::uint32_t>::max())
-        throw Error(
-            ErrorCode::TooLarge,
-            file.string() + " would exceed the 4 GiB limit of glTF binary: choose a larger voxel");
-    base::AtomicFile output(file);
-    output.write("glTF" + little_endian(2) + little_endian(static_cast<std::uint32_t>(total)));
-    output.write(little_endian(static_cast<std::uint32_t>(text.size())) + "JSON" + text);
-    if (has_buffer) {
-        output.write(little_endian(static_cast<std::uint32_t>(document.size_bytes())) +
-                     std::string("BIN\0", 4));
-        for (const std::string_view part : document.parts()) output.write(part);
-    }
-    output.commit();
-}
 
 }  // namespace
 
-void write_glb(const std::filesystem::path& file, const types::Mesh& mesh) {
+void write_glb(const std::filesystem::path& file,
+               const types::Mesh& mesh,
+               const types::Texture* texture,
+               GlbCompression compression) {
     check_mesh(mesh);
-    const std::size_t count = mesh.vertices.size();
-    const std::vector<Eigen::Vector3f> normals = unit_normals(mesh);
-    const std::vector<LinearColor> colors = linear_colors(mesh.colors);
-    Document document;
-    json primitive;
-    if (!mesh.triangles.empty()) {
-        primitive = {{"mode", 4}, {"material", 0}};
-        primitive["attributes"]["POSITION"] =
-            document.add(mesh.vertices, kVertexBuffer, position_accessor(mesh.vertices));
-        primitive["attributes"]["NORMAL"] =
-            document.add(normals,
-                         kVertexBuffer,
-                         {{"componentType", kFloat}, {"type", "VEC3"}, {"count", count}});
-        if (!colors.empty())
-            primitive["attributes"]["COLOR_0"] = document.add(colors,
-                                                              kVertexBuffer,
-                                                              {{"componentType", kUnsignedShort},
-                                                               {"normalized", true},
-                                                               {"type", "VEC4"},
-                                                               {"count", count}});
-        primitive["indices"] = document.add(mesh.triangles,
-                                            kIndexBuffer,
-                                            {{"componentType", kUnsignedInt},
-                                             {"type", "SCALAR"},
-                                             {"count", mesh.triangles.size() * 3}});
-    }
-    write_chunks(file, document.finish(primitive).dump(), document);
+    if (texture != nullptr) check_texture(mesh, *texture);
+    if (mesh.triangles.size() > std::numeric_limits<std::uint32_t>::max() / 3)
+        throw Error(ErrorCode::TooLarge,
+                    "the mesh has more triangles than glTF can number: choose a larger voxel");
+    GlbFile output(file);
+    output.commit(GlbWriter(output, mesh, texture, compression).write());
 }
 
 }  // namespace divemesh::io

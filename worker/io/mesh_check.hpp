@@ -4,12 +4,17 @@
 #include <vector>
 
 #include "worker/types/mesh.hpp"
+#include "worker/types/texture.hpp"
 
 namespace divemesh::io {
 
 // Throws Error{InvalidArgument} if a triangle uses a vertex that does not exist, a coordinate is
 // not finite, or an attribute differs in length from the vertices.
 void check_mesh(const types::Mesh& mesh);
+
+// Throws Error{InvalidArgument} if the texture is not one of the mesh: other triangles, atlases
+// that do not exist or are not BGR images of 1 to 8192 px, coordinates outside of their atlas.
+void check_texture(const types::Mesh& mesh, const types::Texture& texture);
 
 // Returns the mesh's normals at unit length. A missing or degenerate normal is replaced by the
 // area-weighted mean of the triangles around the vertex, or by the upward vector if that is

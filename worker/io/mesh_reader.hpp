@@ -18,7 +18,8 @@ types::Mesh read_mesh(const std::filesystem::path& file);
 types::Mesh parse_obj(std::string_view bytes, const std::string& name);
 
 // Reads the triangles and points of all primitives of the scene, transformed by their nodes.
-// External buffers, compression and morphing are not supported. glTF's y-up metres become z-up.
+// It decodes KHR_mesh_quantization and EXT_meshopt_compression. External buffers, other
+// compressions and morphing are not supported. glTF's y-up metres become z-up.
 types::Mesh parse_glb(std::string_view bytes, const std::string& name);
 
 }  // namespace divemesh::io

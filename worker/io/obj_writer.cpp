@@ -7,19 +7,18 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "schemas/error.hpp"
 #include "worker/base/atomic_file.hpp"
+#include "worker/io/jpeg.hpp"
 #include "worker/io/mesh_check.hpp"
+#include "worker/io/mesh_part.hpp"
 
 namespace divemesh::io {
 namespace {
 
 constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
-constexpr std::string_view kMaterial =
-    "# the colour is that of the vertices\n"
-    "newmtl surface\nKa 1 1 1\nKd 1 1 1\nillum 0\n";
-
 // A zip that is written to a file. Errors of the file are passed on unchanged through the library.
 class ZipWriter {
 public:
@@ -30,9 +29,9 @@ public:
         check(archive_write_open(archive_.get(), this, nullptr, write, nullptr));
     }
 
-    void begin(const char* name) {
+    void begin(const std::string& name) {
         const std::unique_ptr<archive_entry, Free> entry(archive_entry_new());
-        archive_entry_set_pathname(entry.get(), name);
+        archive_entry_set_pathname(entry.get(), name.c_str());
         archive_entry_set_filetype(entry.get(), AE_IFREG);
         archive_entry_set_perm(entry.get(), 0644);
         archive_entry_set_mtime(entry.get(), kNoTime_s, 0);
@@ -127,17 +126,73 @@ void write_vertices(ObjText& text, const types::Mesh& mesh) {
     }
 }
 
-void write_triangles(ObjText& text, const types::Mesh& mesh) {
-    for (const auto& triangle : mesh.triangles) {
+// Writes a part with texture coordinates that are numbered from `first_uv`. OBJ's v points up.
+void write_part(ObjText& text,
+                const types::Mesh& mesh,
+                const MeshPart& part,
+                std::uint64_t first_uv) {
+    for (const Eigen::Vector2f& uv : part.uv) {
+        text.add("vt ");
+        text.add_number(uv.x());
+        text.add(" ");
+        text.add_number(1.0F - uv.y());
+        text.add("\n");
+    }
+    for (const auto& triangle : part.triangles) {
         text.add("f");
-        for (const std::uint32_t vertex : triangle) {
+        for (const std::uint32_t corner : triangle) {
+            const std::uint64_t vertex = part.mesh_vertex[corner] + std::uint64_t{1};
             text.add(" ");
-            text.add_number(vertex + std::uint64_t{1});
+            text.add_number(vertex);
+            if (!part.uv.empty() || !mesh.normals.empty()) text.add("/");
+            if (!part.uv.empty()) text.add_number(first_uv + corner);
             if (mesh.normals.empty()) continue;
-            text.add("//");
-            text.add_number(vertex + std::uint64_t{1});
+            text.add("/");
+            text.add_number(vertex);
         }
         text.add("\n");
+    }
+}
+
+std::string image_name(std::size_t atlas) { return "atlas_" + std::to_string(atlas) + ".jpg"; }
+
+// Writes mesh.obj. Returns the atlases that it uses.
+std::vector<std::size_t> write_obj(ZipWriter& zip,
+                                   const types::Mesh& mesh,
+                                   const types::Texture* texture,
+                                   const std::string& remark) {
+    zip.begin("mesh.obj");
+    ObjText text(zip);
+    text.add("# m, z up\n");
+    if (!remark.empty()) text.add("# " + remark + "\n");
+    text.add("mtllib mesh.mtl\no dive\n");
+    write_vertices(text, mesh);
+    std::vector<std::size_t> used;
+    std::uint64_t first_uv = 1;
+    const std::size_t num_atlases = texture == nullptr ? 0 : texture->atlases.size();
+    for (std::size_t atlas = 0; atlas < num_atlases; ++atlas) {
+        const MeshPart part = mesh_part(mesh, texture, static_cast<std::int32_t>(atlas));
+        if (part.triangles.empty()) continue;
+        used.push_back(atlas);
+        text.add("usemtl atlas_" + std::to_string(atlas) + "\n");
+        write_part(text, mesh, part, first_uv);
+        first_uv += part.uv.size();
+    }
+    text.add("usemtl surface\n");
+    write_part(text, mesh, mesh_part(mesh, texture, types::Texture::kUntextured), first_uv);
+    text.flush();
+    return used;
+}
+
+void write_materials(ZipWriter& zip, const std::vector<std::size_t>& atlases) {
+    constexpr std::string_view kUnlit = "Ka 1 1 1\nKd 1 1 1\nillum 0\n";
+    zip.begin("mesh.mtl");
+    zip.add("# the colour of surface is that of the vertices\nnewmtl surface\n");
+    zip.add(kUnlit);
+    for (const std::size_t atlas : atlases) {
+        zip.add("newmtl atlas_" + std::to_string(atlas) + "\n");
+        zip.add(kUnlit);
+        zip.add("map_Kd " + image_name(atlas) + "\n");
     }
 }
 
@@ -145,20 +200,17 @@ void write_triangles(ObjText& text, const types::Mesh& mesh) {
 
 void write_obj_zip(const std::filesystem::path& file,
                    const types::Mesh& mesh,
+                   const types::Texture* texture,
                    const std::string& remark) {
     check_mesh(mesh);
+    if (texture != nullptr) check_texture(mesh, *texture);
     ZipWriter zip(file);
-    zip.begin("mesh.obj");
-    ObjText text(zip);
-    text.add("# m, z up\n");
-    if (!remark.empty()) text.add("# " + remark + "\n");
-    text.add("mtllib mesh.mtl\no dive\n");
-    write_vertices(text, mesh);
-    text.add("usemtl surface\n");
-    write_triangles(text, mesh);
-    text.flush();
-    zip.begin("mesh.mtl");
-    zip.add(kMaterial);
+    const std::vector<std::size_t> atlases = write_obj(zip, mesh, texture, remark);
+    write_materials(zip, atlases);
+    for (const std::size_t atlas : atlases) {
+        zip.begin(image_name(atlas));
+        zip.add(encode_jpeg(texture->atlases[atlas]));
+    }
     zip.commit();
 }
 

@@ -49,7 +49,7 @@ bool load_texture(Reconstruction& made, const std::string& key) {
 void run_texture(Reconstruction& made, const base::ProgressCallback& progress) {
     const fs::path folder = made.scratch("texture");
     fs::create_directories(folder);
-    io::write_glb(folder / "mesh.glb", made.surface.mesh);
+    io::write_glb(folder / "mesh.glb", made.surface.mesh, nullptr, io::GlbCompression::Meshopt);
     progress({});
     keyframes::write_keyframe_images(folder,
                                      made.optimised.rig,

@@ -169,7 +169,7 @@ std::map<std::string, std::string> unzipped(const std::filesystem::path& file) {
 }
 
 TEST_F(ExportsTest, AnObjZipHoldsMeshAndMaterial) {
-    write_obj_zip(file("mesh.zip"), tetrahedron());
+    write_obj_zip(file("mesh.zip"), tetrahedron(), nullptr);
 
     auto files = unzipped(file("mesh.zip"));
 
@@ -184,14 +184,41 @@ TEST_F(ExportsTest, AnObjZipHoldsMeshAndMaterial) {
 }
 
 TEST_F(ExportsTest, ARemarkIsACommentOfTheObj) {
-    write_obj_zip(file("mesh.zip"), tetrahedron(), "verdict: good");
+    write_obj_zip(file("mesh.zip"), tetrahedron(), nullptr, "verdict: good");
 
     EXPECT_TRUE(unzipped(file("mesh.zip"))["mesh.obj"].starts_with("# m, z up\n# verdict: good\n"));
 }
 
+TEST_F(ExportsTest, AnObjZipHoldsAtlasesAndTextureCoordinatesWithVUp) {
+    types::Texture texture;
+    texture.atlases = {cv::Mat(8, 16, CV_8UC3, cv::Scalar(40, 80, 160)), cv::Mat(8, 8, CV_8UC3)};
+    texture.atlas_of_triangle = {0, types::Texture::kUntextured, 0, types::Texture::kUntextured};
+    texture.uv.resize(4);
+    texture.uv[0] = {Eigen::Vector2f(0, 0), Eigen::Vector2f(1, 0.25F), Eigen::Vector2f(0, 0.5F)};
+    texture.uv[2] = {Eigen::Vector2f(0, 0), Eigen::Vector2f(0.5F, 1), Eigen::Vector2f(1, 0.25F)};
+    write_obj_zip(file("mesh.zip"), tetrahedron(), &texture);
+
+    auto files = unzipped(file("mesh.zip"));
+
+    ASSERT_EQ(files.size(), 3U);
+    const std::string& obj = files["mesh.obj"];
+    EXPECT_NE(
+        obj.find("usemtl atlas_0\nvt 0 1\nvt 1 0.75\nvt 0 0.5\nvt 0.5 0\n"
+                 "f 1/1/1 3/2/3 2/3/2\nf 1/1/1 4/4/4 3/2/3\nusemtl surface\nf 1//1 2//2 4//4\n"),
+        std::string::npos);
+    EXPECT_NE(
+        files["mesh.mtl"].find("newmtl atlas_0\nKa 1 1 1\nKd 1 1 1\nillum 0\nmap_Kd atlas_0.jpg\n"),
+        std::string::npos);
+    const std::string& jpeg = files["atlas_0.jpg"];
+    const cv::Mat image =
+        cv::imdecode(std::vector<char>(jpeg.begin(), jpeg.end()), cv::IMREAD_COLOR);
+    ASSERT_EQ(image.size(), cv::Size(16, 8));
+    EXPECT_LE(cv::norm(image, texture.atlases[0], cv::NORM_INF), 3.0);
+}
+
 TEST_F(ExportsTest, TheSameMeshGivesTheSameZip) {
-    write_obj_zip(file("one.zip"), tetrahedron());
-    write_obj_zip(file("two.zip"), tetrahedron());
+    write_obj_zip(file("one.zip"), tetrahedron(), nullptr);
+    write_obj_zip(file("two.zip"), tetrahedron(), nullptr);
 
     EXPECT_EQ(FileTest::read(file("one.zip")), FileTest::read(file("two.zip")));
 }

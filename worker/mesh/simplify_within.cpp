@@ -1,0 +1,212 @@
+#include "worker/mesh/simplify_within.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "worker/base/parallel.hpp"
+#include "worker/mesh/mesh_components.hpp"
+#include "worker/mesh/simplify_group.hpp"
+
+namespace divemesh::mesh {
+namespace {
+
+using Triangle = std::array<std::uint32_t, 3>;
+
+// Triangles are simplified in groups: the cells of a lattice over the three axes and the logarithm
+// of the tolerance. Each group is simplified to its smallest tolerance while its border stays. The
+// second pass shifts the lattice by half a cell along all four, where the border of the first was.
+constexpr double kPassShifts[] = {0.0, 0.5};
+// Both passes together must stay within the tolerance.
+constexpr double kToleranceOfPass = 0.5;
+// Limits the rounding errors of meshoptimizer's quadrics, which are floats over the extent of the
+// group: some sqrt(2^-24) of it.
+constexpr double kCellSide_tolerances = 256.0;
+
+// Groups of fewer triangles are not divided.
+constexpr std::size_t kMinDivided_triangles = 32;
+
+// A cell of the lattice as one number, so that triangles can be sorted by it.
+using CellKey = std::uint64_t;
+constexpr CellKey kNotSimplified = std::numeric_limits<CellKey>::max();
+
+CellKey bits_of(double index, int num_bits) {
+    const double half = std::ldexp(1.0, num_bits - 1);
+    return static_cast<CellKey>(std::clamp(std::floor(index), -half, half - 2.0) + half);
+}
+
+CellKey cell_of(const Eigen::Vector3f& p_world, float tolerance_m, double shift) {
+    if (!(tolerance_m > 0.0F) || !std::isfinite(tolerance_m)) return kNotSimplified;
+    const double level = std::floor(std::log2(tolerance_m) + shift);
+    const double side_m = kCellSide_tolerances * std::exp2(level - shift);
+    CellKey key = bits_of(level, 7);
+    for (const float coordinate_m : p_world)
+        key = (key << 19) | bits_of(coordinate_m / side_m + shift, 19);
+    return key;
+}
+
+struct KeyedTriangle {
+    CellKey cell;
+    std::uint32_t triangle;
+    auto operator<=>(const KeyedTriangle&) const = default;
+};
+
+// A group of triangles, before and after.
+struct Group {
+    std::vector<Triangle> triangles;
+    double max_error_m = 0.0;
+    std::optional<SimplifiedGroup> simplified;
+};
+
+// An edge at the border of a group, or between two vertices of it.
+struct OuterEdge {
+    std::array<std::uint32_t, 2> vertices;
+    bool may_be_new;  // a chord of a group that was simplified
+    std::size_t group;
+    auto operator<=>(const OuterEdge&) const = default;
+};
+
+std::vector<OuterEdge> outer_edges(const std::vector<Group>& groups) {
+    std::vector<OuterEdge> edges;
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+        if (!groups[i].simplified) continue;
+        for (const auto& edge : groups[i].simplified->border) edges.push_back({edge, false, i});
+        for (const auto& edge : groups[i].simplified->chords)
+            edges.push_back({edge, groups[i].max_error_m > 0.0, i});
+    }
+    std::sort(edges.begin(), edges.end());
+    return edges;
+}
+
+// Discards the result of groups whose collapses made an edge that another group has as well.
+void discard_conflicts(std::vector<Group>& groups) {
+    const std::vector<OuterEdge> edges = outer_edges(groups);
+    for (std::size_t i = 1; i < edges.size(); ++i)
+        if (edges[i].vertices == edges[i - 1].vertices && edges[i].may_be_new)
+            groups[edges[i].group].simplified.reset();
+}
+
+// Moves the half of the triangles that is farther along the longest axis to another group. A group
+// that is too small to be divided keeps all of its triangles from now on.
+std::optional<Group> divide(Group& group, const std::vector<Eigen::Vector3f>& vertices) {
+    if (group.triangles.size() < kMinDivided_triangles) {
+        group.max_error_m = 0.0;
+        return std::nullopt;
+    }
+    Eigen::AlignedBox3f box;
+    for (const Triangle& triangle : group.triangles) box.extend(vertices[triangle[0]]);
+    Eigen::Index axis = 0;
+    box.sizes().maxCoeff(&axis);
+    const auto middle =
+        group.triangles.begin() + static_cast<std::ptrdiff_t>(group.triangles.size() / 2);
+    const auto is_before = [&](const Triangle& a, const Triangle& b) {
+        const float a_m = vertices[a[0]][axis];
+        const float b_m = vertices[b[0]][axis];
+        return a_m != b_m ? a_m < b_m : a < b;
+    };
+    std::nth_element(group.triangles.begin(), middle, group.triangles.end(), is_before);
+    Group half{{middle, group.triangles.end()}, group.max_error_m, std::nullopt};
+    group.triangles.erase(middle, group.triangles.end());
+    return half;
+}
+
+class Simplification {
+public:
+    Simplification(const types::Mesh& mesh, const std::vector<float>& tolerance_m, int num_threads)
+        : mesh_(mesh),
+          tolerance_m_(tolerance_m),
+          num_threads_(num_threads),
+          triangles_(mesh.triangles) {}
+
+    void run_pass(double shift) {
+        std::vector<Group> groups = split(shift);
+        do simplify(groups);
+        while (divide_failed(groups));
+        triangles_.clear();
+        for (const Group& group : groups)
+            triangles_.insert(triangles_.end(),
+                              group.simplified->triangles.begin(),
+                              group.simplified->triangles.end());
+    }
+
+    std::vector<Triangle> take_triangles() { return std::move(triangles_); }
+
+private:
+    // Returns the lowest tolerance of the corners; not a number if one of them is not.
+    float tolerance_of(const Triangle& triangle) const {
+        float lowest_m = tolerance_m_[triangle[0]];
+        for (const std::uint32_t vertex : triangle)
+            if (!(tolerance_m_[vertex] >= lowest_m)) lowest_m = tolerance_m_[vertex];
+        return lowest_m;
+    }
+
+    std::vector<KeyedTriangle> sort_triangles(double shift) const {
+        std::vector<KeyedTriangle> keyed(triangles_.size());
+        base::for_each_index(num_threads_, keyed.size(), [&](std::size_t i) {
+            const Triangle& triangle = triangles_[i];
+            keyed[i] = {cell_of(mesh_.vertices[triangle[0]], tolerance_of(triangle), shift),
+                        static_cast<std::uint32_t>(i)};
+        });
+        std::sort(keyed.begin(), keyed.end());
+        return keyed;
+    }
+
+    std::vector<Group> split(double shift) const {
+        std::vector<Group> groups;
+        CellKey cell = kNotSimplified;
+        for (const KeyedTriangle& keyed : sort_triangles(shift)) {
+            const Triangle& triangle = triangles_[keyed.triangle];
+            const double max_error_m =
+                keyed.cell == kNotSimplified ? 0.0 : kToleranceOfPass * tolerance_of(triangle);
+            if (groups.empty() || keyed.cell != cell)
+                groups.push_back({{}, max_error_m, std::nullopt});
+            cell = keyed.cell;
+            groups.back().triangles.push_back(triangle);
+            groups.back().max_error_m = std::min(groups.back().max_error_m, max_error_m);
+        }
+        return groups;
+    }
+
+    void simplify(std::vector<Group>& groups) const {
+        base::for_each_index(num_threads_, groups.size(), [&](std::size_t i) {
+            Group& group = groups[i];
+            if (!group.simplified)
+                group.simplified =
+                    simplify_group(mesh_.vertices, group.triangles, group.max_error_m);
+        });
+        discard_conflicts(groups);
+    }
+
+    // Divides the groups that have no result. Returns whether there were any.
+    bool divide_failed(std::vector<Group>& groups) const {
+        bool has_failed = false;
+        for (std::size_t i = 0, num = groups.size(); i < num; ++i) {
+            if (groups[i].simplified) continue;
+            has_failed = true;
+            if (auto half = divide(groups[i], mesh_.vertices)) groups.push_back(std::move(*half));
+        }
+        return has_failed;
+    }
+
+    const types::Mesh& mesh_;
+    const std::vector<float>& tolerance_m_;
+    int num_threads_;
+    std::vector<Triangle> triangles_;
+};
+
+}  // namespace
+
+types::Mesh simplify_within(const types::Mesh& mesh,
+                            const std::vector<float>& tolerance_m,
+                            int num_threads) {
+    Simplification simplification(mesh, tolerance_m, num_threads);
+    for (const double shift : kPassShifts) simplification.run_pass(shift);
+    types::Mesh simplified = mesh;
+    simplified.triangles = simplification.take_triangles();
+    remove_unreferenced_vertices(simplified);
+    return simplified;
+}
+
+}  // namespace divemesh::mesh
