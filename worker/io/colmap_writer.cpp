@@ -47,7 +47,7 @@ void write_cameras(const fs::path& folder, const PosedImages& images, const std:
         " " + std::to_string(images.height_px);
     for (const double parameter : parameters) {
         record.put(parameter);
-        text += " " + exact(parameter);
+        text.append(" ").append(exact(parameter));
     }
     base::write_file(folder / "cameras.bin", record.bytes());
     base::write_file(folder / "cameras.txt", text + "\n");
@@ -68,7 +68,7 @@ std::string image_text(std::uint32_t id, const PosedImage& image) {
     const auto [q, p] = world_to_camera(image.T_world_cam);
     std::string text = std::to_string(id);
     for (const double value : {q.w(), q.x(), q.y(), q.z(), p.x(), p.y(), p.z()})
-        text += " " + exact(value);
+        text.append(" ").append(exact(value));
     return text + " " + std::to_string(kCameraId) + " " + image.name + "\n\n";
 }
 
@@ -92,8 +92,8 @@ void write_images(const fs::path& folder, const PosedImages& images, const std::
 
 std::string point_text(std::uint64_t id, const Eigen::Vector3d& point, const types::Color& color) {
     std::string text = std::to_string(id);
-    for (const double value : point) text += " " + exact(value);
-    for (const std::uint8_t channel : color) text += " " + std::to_string(channel);
+    for (const double value : point) text.append(" ").append(exact(value));
+    for (const std::uint8_t channel : color) text.append(" ").append(std::to_string(channel));
     return text + " " + exact(kUnknownError_px) + "\n";
 }
 
