@@ -3,18 +3,21 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstdint>
-#include <opencv2/core.hpp>
+#include <opencv2/core/mat.hpp>
 #include <vector>
 
 namespace divemesh::types {
 
-// The photographs of a mesh, packed into atlases.
+// The photographs of a mesh, packed into atlases. Triangles that no photograph shows well stay
+// untextured.
 struct Texture {
     static constexpr std::int32_t kUntextured = -1;
-    std::vector<cv::Mat> atlases;                 // CV_8UC3 BGR, at most 8192 x 8192
+
+    std::vector<cv::Mat> atlases;                 // CV_8UC3 BGR
     std::vector<std::int32_t> atlas_of_triangle;  // or kUntextured
-    // of every triangle's corners, 0 to 1 over its atlas, v down (as glTF)
+    // The corners of each triangle, 0 to 1 over its atlas, v down (as glTF); 0 if untextured.
     std::vector<std::array<Eigen::Vector2f, 3>> uv;
+    double texels_per_pixel = 1.0;  // of the photographs, along a row; below 1: limited by memory
 };
 
 }  // namespace divemesh::types
