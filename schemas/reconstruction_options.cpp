@@ -41,7 +41,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("max_sigma_m", options.max_sigma_m, "max standard deviation of a vertex, m; less certain surface is removed, before what contradicts the scale is added; 0: no limit");
     visit("simplify", options.simplify, "share of the triangles to keep, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error at which simplification stops, m; 0: no limit");
-    visit("texture", options.texture, "make the mosaic (no texture is made yet)");
+    visit("texture", options.texture, "texture mesh.glb with the photographs, and make the mosaic");
     visit("exports", options.exports, "files for other programs, separated by commas: kitti, euroc (trajectory), obj, las (mesh), colmap, nerfstudio (keyframes)");
     visit("num_threads", options.num_threads, "0: all cores; the result does not depend on it");
     visit("fusion_memory_bytes", options.fusion_memory_bytes, "max memory for voxels and points, the rest goes to the scratch folder; the result does not depend on it");

@@ -311,6 +311,16 @@ json speed(const MetricsInput& input) {
     return result;
 }
 
+json texture(const TextureMetrics& metrics) {
+    return {{"num_triangles", metrics.num_triangles},
+            {"error_rms_m", metrics.simplification.rms_m},
+            {"error_max_m", metrics.simplification.max_m},
+            {"num_atlases", metrics.num_atlases},
+            {"textured_share", metrics.textured_share},
+            {"texels_per_pixel", metrics.texels_per_pixel},
+            {"num_lost_images", metrics.num_lost_images}};
+}
+
 json mesh(const MeshMetrics& metrics) {
     json result = {{"num_vertices", metrics.num_vertices},
                    {"num_triangles", metrics.num_triangles},
@@ -403,6 +413,7 @@ json metrics_document(const MetricsInput& input) {
     document["trajectory"]["vertical_known"] = input.vertical_is_known;
     if (input.track.dense.num_frames > 0) document["stereo"] = stereo(input.track.dense);
     if (input.mesh) document["mesh"] = mesh(*input.mesh);
+    if (input.texture) document["texture"] = texture(*input.texture);
     if (input.end_covariance_m2)
         document["trajectory"]["covariance"]["end_sigma_m"] =
             std::sqrt(input.end_covariance_m2->trace());

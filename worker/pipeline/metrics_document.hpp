@@ -18,6 +18,7 @@
 #include "worker/mesh/simplify_mesh.hpp"
 #include "worker/pipeline/map_metrics.hpp"
 #include "worker/pipeline/stage_time.hpp"
+#include "worker/pipeline/texture_metrics.hpp"
 #include "worker/types/geographic_position.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/rig.hpp"
@@ -69,6 +70,7 @@ struct MetricsInput {
     bool vertical_is_known = true;          // by sensors; false: z is up only if the first image is
     std::vector<types::TrackingSegment> segments;
     std::optional<MeshMetrics> mesh;                // nullopt: no surface was requested
+    std::optional<TextureMetrics> texture;          // likewise
     std::optional<markers::MarkerMetrics> markers;  // nullopt: markers were not searched for
     std::optional<evaluation::CombinedScale> scale_correction;  // nullopt: not applied by itself
     std::vector<StageTime> stages;

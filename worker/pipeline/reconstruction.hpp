@@ -94,6 +94,7 @@ struct Reconstruction {
     std::vector<mesh::ImageCoverage> coverage;
 
     // texture
+    TextureMetrics texture;
     std::string thumbnail_png;
 
     // evaluate

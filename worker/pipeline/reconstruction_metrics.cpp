@@ -155,6 +155,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .vertical_is_known = vertical_known,
          .segments = segments,
          .mesh = mesh_metrics(made),
+         .texture = made.request.options.surface ? std::optional(made.texture) : std::nullopt,
          .markers = made.markers,
          .scale_correction = made.scale_correction,
          .stages = made.stages,

@@ -194,6 +194,7 @@ void fields(auto& file, Is<types::OptimisedTrack> auto& track) {
 }
 
 void fields(auto& file, Is<CloudMetrics> auto& metrics) { file.plain(metrics); }
+void fields(auto& file, Is<TextureMetrics> auto& metrics) { file.plain(metrics); }
 
 void fields(auto& file, Is<Surface> auto& surface) {
     file.vector(surface.mesh.vertices);
@@ -281,6 +282,17 @@ void save_surface(const std::filesystem::path& path,
 
 std::optional<Surface> load_surface(const std::filesystem::path& path, const std::string& key) {
     return load<Surface>(path, key);
+}
+
+void save_texture_metrics(const std::filesystem::path& path,
+                          const std::string& key,
+                          const TextureMetrics& metrics) {
+    save(path, key, metrics);
+}
+
+std::optional<TextureMetrics> load_texture_metrics(const std::filesystem::path& path,
+                                                   const std::string& key) {
+    return load<TextureMetrics>(path, key);
 }
 
 }  // namespace divemesh::pipeline

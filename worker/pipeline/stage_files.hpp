@@ -6,6 +6,7 @@
 
 #include "worker/pipeline/map_metrics.hpp"
 #include "worker/pipeline/surface.hpp"
+#include "worker/pipeline/texture_metrics.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/rig_alignment.hpp"
 #include "worker/types/track.hpp"
@@ -43,5 +44,11 @@ void save_surface(const std::filesystem::path& file,
                   const std::string& key,
                   const Surface& surface);
 std::optional<Surface> load_surface(const std::filesystem::path& file, const std::string& key);
+
+void save_texture_metrics(const std::filesystem::path& file,
+                          const std::string& key,
+                          const TextureMetrics& metrics);
+std::optional<TextureMetrics> load_texture_metrics(const std::filesystem::path& file,
+                                                   const std::string& key);
 
 }  // namespace divemesh::pipeline

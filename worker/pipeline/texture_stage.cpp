@@ -7,9 +7,9 @@
 #include "worker/io/glb_writer.hpp"
 #include "worker/keyframes/keyframe_images.hpp"
 #include "worker/mosaic/mosaic.hpp"
+#include "worker/pipeline/display_mesh.hpp"
 #include "worker/pipeline/link_or_copy.hpp"
 #include "worker/pipeline/stage_functions.hpp"
-#include "worker/pipeline/stage_key_file.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -43,13 +43,26 @@ std::string read_text(const fs::path& file) {
 }  // namespace
 
 bool load_texture(Reconstruction& made, const std::string& key) {
-    return has_stage_key(made.scratch("texture.stage"), key);
+    const auto stored = load_texture_metrics(made.scratch("texture.stage"), key);
+    if (stored) made.texture = *stored;
+    return stored.has_value();
 }
 
 void run_texture(Reconstruction& made, const base::ProgressCallback& progress) {
     const fs::path folder = made.scratch("texture");
     fs::create_directories(folder);
-    io::write_glb(folder / "mesh.glb", made.surface.mesh, nullptr, io::GlbCompression::Meshopt);
+    const DisplayMesh shown = make_display_mesh(
+        made.surface.mesh,
+        made.optimised.rig,
+        made.optimised.keyframes,
+        [&made](int frame_index) { return made.keyframe_store.left_in_color(frame_index); },
+        made.options(),
+        progress);
+    made.texture = shown.metrics;
+    io::write_glb(folder / "mesh.glb",
+                  shown.mesh,
+                  shown.texture ? &*shown.texture : nullptr,
+                  io::GlbCompression::Meshopt);
     progress({});
     keyframes::write_keyframe_images(folder,
                                      made.optimised.rig,
@@ -64,7 +77,7 @@ void run_texture(Reconstruction& made, const base::ProgressCallback& progress) {
 }
 
 void save_texture(Reconstruction& made, const std::string& key) {
-    save_stage_key(made.scratch("texture.stage"), key);
+    save_texture_metrics(made.scratch("texture.stage"), key, made.texture);
 }
 
 void finish_texture(Reconstruction& made) {

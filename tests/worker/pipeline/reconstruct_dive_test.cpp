@@ -23,7 +23,7 @@
 #include "worker/dive/dive.hpp"
 #include "worker/pipeline/link_or_copy.hpp"
 #include "worker/pipeline/reconstruction_stages.hpp"
-#include "worker/pipeline/stage_key_file.hpp"
+#include "worker/pipeline/stage_files.hpp"
 #include "worker/simulator/dive_files.hpp"
 #include "worker/simulator/simulate.hpp"
 
@@ -306,13 +306,13 @@ TEST_F(ReconstructDiveTest, AnAttemptGoesOnFromWhatTheOneBeforeLeftInItsScratchF
 
 // An extra stage between mesh and texture: it writes the number of triangles to a file of its own.
 bool load_count(Reconstruction& made, const std::string& key) {
-    return has_stage_key(made.scratch("count.stage"), key);
+    return load_texture_metrics(made.scratch("count.stage"), key).has_value();
 }
 void run_count(Reconstruction& made, const base::ProgressCallback&) {
     std::ofstream(made.scratch("count.txt")) << made.surface.mesh.triangles.size();
 }
 void save_count(Reconstruction& made, const std::string& key) {
-    save_stage_key(made.scratch("count.stage"), key);
+    save_texture_metrics(made.scratch("count.stage"), key, {});
 }
 void finish_count(Reconstruction& made) {
     link_or_copy(made.scratch("count.txt"), made.artifact("count.txt"));

@@ -1,0 +1,63 @@
+#include "worker/pipeline/display_mesh.hpp"
+
+#include "worker/mesh/simplify_within.hpp"
+#include "worker/pipeline/simplification_error.hpp"
+#include "worker/stats/ratio.hpp"
+#include "worker/texture/face_views.hpp"
+#include "worker/texture/texture_mesh.hpp"
+#include "worker/types/triangle_area.hpp"
+
+namespace divemesh::pipeline {
+namespace {
+
+constexpr float kMaxError_sigmas = 0.5F;
+
+types::Mesh simplified(const types::Mesh& surface, int num_threads) {
+    std::vector<float> tolerance_m = surface.sigma_m;
+    for (float& tolerance : tolerance_m) tolerance *= kMaxError_sigmas;
+    return mesh::simplify_within(surface, tolerance_m, num_threads);
+}
+
+double textured_share(const types::Mesh& mesh, const types::Texture& texture) {
+    double textured_m2 = 0.0;
+    double whole_m2 = 0.0;
+    for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+        const double area_m2 = types::triangle_area_m2(mesh, mesh.triangles[i]);
+        whole_m2 += area_m2;
+        if (texture.atlas_of_triangle[i] != types::Texture::kUntextured) textured_m2 += area_m2;
+    }
+    return stats::ratio(textured_m2, whole_m2);
+}
+
+}  // namespace
+
+DisplayMesh make_display_mesh(const types::Mesh& surface,
+                              const types::RectifiedRig& rig,
+                              const std::vector<types::Keyframe>& keyframes,
+                              const keyframes::ReadImage& read_image,
+                              const ReconstructionOptions& options,
+                              const base::ProgressCallback& progress) {
+    if (surface.triangles.empty()) return {surface, std::nullopt, {}};
+    DisplayMesh result{simplified(surface, options.num_threads), std::nullopt, {}};
+    progress({});
+    TextureMetrics& metrics = result.metrics;
+    metrics.num_triangles = std::ssize(result.mesh.triangles);
+    metrics.simplification = simplification_error(surface, result.mesh, options.num_threads);
+    progress({});
+    if (!options.texture) return result;
+    const texture::ChosenFaceViews chosen = texture::choose_face_views(
+        result.mesh, rig, keyframes, read_image, options.num_threads, progress);
+    result.texture = texture::texture_mesh(result.mesh,
+                                           chosen.face_views,
+                                           {rig, keyframes, read_image},
+                                           {},
+                                           options.num_threads,
+                                           progress);
+    metrics.num_lost_images = std::ssize(chosen.lost_frames);
+    metrics.num_atlases = std::ssize(result.texture->atlases);
+    metrics.texels_per_pixel = result.texture->texels_per_pixel;
+    metrics.textured_share = textured_share(result.mesh, *result.texture);
+    return result;
+}
+
+}  // namespace divemesh::pipeline
