@@ -23,6 +23,7 @@ public:
     explicit FaceGraph(const types::Mesh& mesh);
 
     std::size_t num_faces() const { return begin_.size() - 1; }
+    std::size_t num_links() const { return links_.size(); }
     std::span<const FaceLink> links(std::size_t face) const {
         return {links_.data() + begin_[face], begin_[face + 1] - begin_[face]};
     }

@@ -69,7 +69,8 @@ ChosenFaceViews choose_face_views(const types::Mesh& mesh,
     auto [candidates, lost_frames] =
         collect_views(mesh, rig, keyframes, read_image, num_threads, {"", 0.0, 0.6, progress});
     const FaceGraph graph(mesh);
-    drop_inconsistent_views(mesh, keyframes, graph, num_threads, candidates);
+    drop_inconsistent_views(
+        mesh, keyframes, graph, num_threads, {"", 0.6, 0.7, progress}, candidates);
     const double seam_m = kSeamWidth_px * pixel_m({mesh, keyframes, candidates}, rig.focal_px);
     const ViewField field{candidates, graph, areas_m2(mesh), static_cast<float>(seam_m)};
     FaceViews views = smooth_views(field, num_threads, {"", 0.7, 1.0, progress});

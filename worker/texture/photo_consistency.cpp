@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "worker/base/parallel.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/robust.hpp"
 #include "worker/texture/water_light.hpp"
@@ -13,7 +12,6 @@
 namespace divemesh::texture {
 namespace {
 
-constexpr std::size_t kMinViews = 3;
 constexpr float kMaxSigmas = 4.0F;
 // Of the logarithm. A near image has more contrast than far ones: without a fish it differs too.
 constexpr float kMinSigma = 0.06F;
@@ -37,7 +35,7 @@ float sigma_in_face(const ColorResiduals& residuals,
 // Channels are compared one by one: they are too correlated to add up their deviations.
 Marks outliers(const SeenMesh& seen, const WaterLight& light, std::size_t face) {
     const std::size_t num = seen.candidates.of(face).size();
-    if (num < kMinViews) return 0;
+    if (num < kMinJudgedViews) return 0;
     const ColorResiduals residuals = color_residuals(seen, light, face);
     Marks marks = 0;
     for (int channel = 0; channel < 3; ++channel) {
@@ -81,12 +79,13 @@ void drop_inconsistent_views(const types::Mesh& mesh,
                              const std::vector<types::Keyframe>& keyframes,
                              const FaceGraph& graph,
                              int num_threads,
+                             const base::ProgressShare& progress,
                              FaceCandidates& candidates) {
     const SeenMesh seen{mesh, keyframes, candidates};
     const WaterLight light = fit_water_light(seen, num_threads);
     const std::size_t num_faces = candidates.num_faces();
     std::vector<Marks> marks(num_faces);
-    base::for_each_index(num_threads, num_faces, [&](std::size_t face) {
+    base::for_each_index(num_threads, num_faces, progress, [&](std::size_t face) {
         marks[face] = outliers(seen, light, face);
     });
     std::vector<Marks> dropped(num_faces);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "worker/base/parallel.hpp"
 #include "worker/texture/face_candidates.hpp"
 #include "worker/texture/face_graph.hpp"
 #include "worker/types/keyframe.hpp"
@@ -17,6 +18,7 @@ void drop_inconsistent_views(const types::Mesh& mesh,
                              const std::vector<types::Keyframe>& keyframes,
                              const FaceGraph& graph,
                              int num_threads,
+                             const base::ProgressShare& progress,
                              FaceCandidates& candidates);
 
 }  // namespace divemesh::texture

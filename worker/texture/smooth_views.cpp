@@ -4,13 +4,14 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <span>
 #include <vector>
 
 namespace divemesh::texture {
 namespace {
 
-constexpr int kNumSweeps = 20;
+constexpr int kNumSweeps = 40;
 constexpr int kMaxDescents = 20;
 constexpr std::size_t kSlice = 2048;  // triangles
 
@@ -35,6 +36,7 @@ public:
             begin_[face + 1] =
                 begin_[face] + field.graph.links(face).size() * field.candidates.of(face).size();
         shares_.assign(begin_.back(), 0);
+        is_news_.assign(field.graph.num_links(), 1);
     }
 
     // Returns the energy of each candidate of a triangle with all that its neighbours told it.
@@ -49,8 +51,10 @@ public:
         return energies;
     }
 
-    // Tells the neighbours of a triangle what it knows, to each without what came from there.
+    // Tells the neighbours of a triangle what it knows, to each without what came from there. Does
+    // nothing if they told it no news since: most of a mesh is settled after a few sweeps.
     void send(std::size_t face) {
+        if (!take_news(face)) return;
         const Energies all = energies(face);
         const auto links = field_.graph.links(face);
         const std::size_t num = field_.candidates.of(face).size();
@@ -64,6 +68,16 @@ public:
 
 private:
     static constexpr float kWhole = 65535.0F;
+    static constexpr int kNews = 64;  // 0.1 % of a seam
+
+    // Returns true for a triangle with news, which is none any more.
+    bool take_news(std::size_t face) {
+        const std::size_t num = field_.graph.links(face).size();
+        const auto first = is_news_.begin() + field_.graph.first_link(face);
+        const bool has_news = std::find(first, first + num, 1) != first + num;
+        std::fill(first, first + num, std::uint8_t{0});
+        return has_news;
+    }
 
     float scale(const FaceLink& link) const { return field_.seam_cost(link) / kWhole; }
     const std::uint16_t* received(std::size_t face, std::size_t link) const {
@@ -82,14 +96,18 @@ private:
             while (i < own.size() && own[i].view < theirs[j].view) ++i;
             const bool is_common = i < own.size() && own[i].view == theirs[j].view;
             const float excess = is_common ? energies[i] - least : seam;
-            shares[j] = excess < seam ? static_cast<std::uint16_t>(kWhole * excess / seam + 0.5F)
-                                      : std::uint16_t{0xffff};
+            const auto share = excess < seam
+                                   ? static_cast<std::uint16_t>(kWhole * excess / seam + 0.5F)
+                                   : std::uint16_t{0xffff};
+            if (std::abs(share - shares[j]) > kNews) is_news_[link.back] = 1;
+            shares[j] = share;
         }
     }
 
     const ViewField& field_;
     std::vector<std::size_t> begin_;  // of what each triangle receives, link by link
     std::vector<std::uint16_t> shares_;
+    std::vector<std::uint8_t> is_news_;  // for each link of a triangle, what came over it
 };
 
 // Returns the view of a triangle with the least energy, the first of equals.

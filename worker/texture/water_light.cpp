@@ -12,9 +12,8 @@
 namespace divemesh::texture {
 namespace {
 
-constexpr std::size_t kMinViews = 3;
-constexpr std::size_t kMaxSamples = 30'000;  // triangles
-constexpr int kNumRounds = 4;
+constexpr std::size_t kMaxSamples = 10'000;  // triangles
+constexpr int kNumRounds = 10;
 constexpr float kDark = 8.0F;  // grey levels of noise and veil, so that black is not minus infinity
 
 LogColor log_color(const Candidate& candidate) {
@@ -28,7 +27,7 @@ LogColor log_color(const Candidate& candidate) {
 std::vector<std::size_t> sampled_faces(const FaceCandidates& candidates) {
     std::vector<std::size_t> faces;
     for (std::size_t face = 0; face < candidates.num_faces(); ++face)
-        if (candidates.of(face).size() >= kMinViews) faces.push_back(face);
+        if (candidates.of(face).size() >= kMinJudgedViews) faces.push_back(face);
     const std::size_t step = 1 + faces.size() / kMaxSamples;
     std::vector<std::size_t> sampled;
     for (std::size_t i = 0; i < faces.size(); i += step) sampled.push_back(faces[i]);

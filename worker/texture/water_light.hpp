@@ -11,6 +11,9 @@
 
 namespace divemesh::texture {
 
+// Of fewer colours it cannot be said which is wrong.
+inline constexpr std::size_t kMinJudgedViews = 3;
+
 using LogColor = Eigen::Array3f;  // b g r, natural logarithm
 
 // Why keyframes see one surface in different colours: each has a gain (exposure, lamps, the sun),

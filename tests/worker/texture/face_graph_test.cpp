@@ -17,17 +17,11 @@ void expect_consistent(const FaceGraph& graph) {
         }
 }
 
-std::size_t num_links(const FaceGraph& graph) {
-    std::size_t num = 0;
-    for (std::size_t face = 0; face < graph.num_faces(); ++face) num += graph.links(face).size();
-    return num;
-}
-
 TEST(FaceGraph, LinksTheTrianglesOfEachInnerEdge) {
     const FaceGraph graph(square_mesh(1.0F, 10));
     expect_consistent(graph);
     // Of the 320 edges, 40 are at the border.
-    EXPECT_EQ(num_links(graph), 2U * (320U - 40U));
+    EXPECT_EQ(graph.num_links(), 2U * (320U - 40U));
     ASSERT_EQ(graph.links(0).size(), 2U);  // a corner cell: the diagonal, and the cell to the right
     EXPECT_EQ(graph.links(0)[0].face, 1U);
     EXPECT_FLOAT_EQ(graph.links(0)[0].edge_m, std::sqrt(0.02F));
@@ -60,8 +54,8 @@ TEST(FaceGraph, ManyTrianglesOfOneEdgeAreAChain) {
     book.triangles.push_back(book.triangles.front());
     const FaceGraph graph(book);
     expect_consistent(graph);
-    EXPECT_LE(num_links(graph), 2U * (kNumPages + 4U));
-    EXPECT_GE(num_links(graph), 2U * kNumPages);
+    EXPECT_LE(graph.num_links(), 2U * (kNumPages + 4U));
+    EXPECT_GE(graph.num_links(), 2U * kNumPages);
 }
 
 }  // namespace
