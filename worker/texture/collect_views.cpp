@@ -104,13 +104,17 @@ private:
         const Eigen::Vector3f to_camera = position_world_ - (a + b + c) / 3.0F;
         const Eigen::Vector3f normal = (b - a).cross(c - a);
         seen.range_m = to_camera.norm();
-        const float cosine = normal.dot(to_camera) / (normal.norm() * seen.range_m);
-        if (!(cosine >= kMinCosine)) return std::nullopt;  // NaN without an area
-        seen.cosine = smooth_cosine(triangle, to_camera / seen.range_m).value_or(cosine);
-        const float size_m = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
         const float pixel_m = seen.range_m / camera_.focal_px;
+        const float size_m = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+        const float cosine = normal.dot(to_camera) / (normal.norm() * seen.range_m);
+        const auto smooth = smooth_cosine(triangle, to_camera / seen.range_m);
+        // Noise turns a triangle that is narrower than a pixel.
+        const bool is_narrow = normal.norm() < pixel_m * size_m;
+        const float facing = is_narrow ? smooth.value_or(cosine) : cosine;
+        if (!(facing >= kMinCosine)) return std::nullopt;  // NaN without an area
+        seen.cosine = std::max(kMinCosine, smooth.value_or(cosine));
         seen.tolerance_m = kMaxSigmas * sigma_m(triangle) +
-                           std::min(size_m, kMaxSize_px * pixel_m) + pixel_m / cosine;
+                           std::min(size_m, kMaxSize_px * pixel_m) + pixel_m / facing;
         return seen;
     }
 
@@ -121,7 +125,7 @@ private:
         if (mesh_.normals.empty()) return std::nullopt;
         Eigen::Vector3f normal = Eigen::Vector3f::Zero();
         for (const std::uint32_t vertex : triangle) normal += mesh_.normals[vertex];
-        return std::max(kMinCosine, normal.normalized().dot(to_camera));
+        return normal.normalized().dot(to_camera);
     }
 
     // Two parts of one mesh share what neighbours share of their errors.
