@@ -1,5 +1,6 @@
 #include "worker/pipeline/display_mesh.hpp"
 
+#include "worker/base/part_of.hpp"
 #include "worker/mesh/simplify_within.hpp"
 #include "worker/pipeline/simplification_error.hpp"
 #include "worker/stats/ratio.hpp"
@@ -11,6 +12,10 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr float kMaxError_sigmas = 0.5F;
+// Shares of the work that are done.
+constexpr double kSimplified = 0.3;
+constexpr double kMeasured = 0.4;
+constexpr double kChosen = 0.7;
 
 types::Mesh simplified(const types::Mesh& surface, int num_threads) {
     std::vector<float> tolerance_m = surface.sigma_m;
@@ -35,28 +40,36 @@ DisplayMesh make_display_mesh(const types::Mesh& surface,
                               const types::RectifiedRig& rig,
                               const std::vector<types::Keyframe>& keyframes,
                               const keyframes::ReadImage& read_image,
-                              const ReconstructionOptions& options,
+                              int num_threads,
                               const base::ProgressCallback& progress) {
-    if (surface.triangles.empty()) return {surface, std::nullopt, {}};
-    DisplayMesh result{simplified(surface, options.num_threads), std::nullopt, {}};
-    progress({});
+    DisplayMesh result{simplified(surface, num_threads), {}, {}};
+    const auto at = [&](double fraction) {
+        Progress reached;
+        reached.fraction = fraction;
+        progress(reached);
+    };
+    at(kSimplified);
     TextureMetrics& metrics = result.metrics;
     metrics.num_triangles = std::ssize(result.mesh.triangles);
-    metrics.simplification = simplification_error(surface, result.mesh, options.num_threads);
-    progress({});
-    if (!options.texture) return result;
-    const texture::ChosenFaceViews chosen = texture::choose_face_views(
-        result.mesh, rig, keyframes, read_image, options.num_threads, progress);
+    metrics.simplification = simplification_error(surface, result.mesh, num_threads);
+    at(kMeasured);
+    const texture::ChosenFaceViews chosen =
+        texture::choose_face_views(result.mesh,
+                                   rig,
+                                   keyframes,
+                                   read_image,
+                                   num_threads,
+                                   base::part_of(progress, kMeasured, kChosen));
     result.texture = texture::texture_mesh(result.mesh,
                                            chosen.face_views,
                                            {rig, keyframes, read_image},
                                            {},
-                                           options.num_threads,
-                                           progress);
+                                           num_threads,
+                                           base::part_of(progress, kChosen, 1.0));
     metrics.num_lost_images = std::ssize(chosen.lost_frames);
-    metrics.num_atlases = std::ssize(result.texture->atlases);
-    metrics.texels_per_pixel = result.texture->texels_per_pixel;
-    metrics.textured_share = textured_share(result.mesh, *result.texture);
+    metrics.num_atlases = std::ssize(result.texture.atlases);
+    metrics.texels_per_pixel = result.texture.texels_per_pixel;
+    metrics.textured_share = textured_share(result.mesh, result.texture);
     return result;
 }
 

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <optional>
+#include <vector>
 
-#include "schemas/reconstruction_options.hpp"
 #include "worker/base/observer.hpp"
 #include "worker/keyframes/keyframe_images.hpp"
 #include "worker/pipeline/texture_metrics.hpp"
@@ -16,18 +15,18 @@ namespace divemesh::pipeline {
 // The surface as viewers show it.
 struct DisplayMesh {
     types::Mesh mesh;
-    std::optional<types::Texture> texture;  // nullopt: the colours of the vertices
+    types::Texture texture;
     TextureMetrics metrics;
 };
 
 // Returns the surface simplified within half of each vertex's standard deviation, which nobody sees
-// and viewers need, and textured with the photographs of the keyframes if the options ask for it.
-// `read_image` returns images at the rig's size.
+// and viewers need, and textured with the photographs of the keyframes. `surface` must not be
+// empty; `read_image` returns images at the rig's size.
 DisplayMesh make_display_mesh(const types::Mesh& surface,
                               const types::RectifiedRig& rig,
                               const std::vector<types::Keyframe>& keyframes,
                               const keyframes::ReadImage& read_image,
-                              const ReconstructionOptions& options,
+                              int num_threads,
                               const base::ProgressCallback& progress);
 
 }  // namespace divemesh::pipeline

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "worker/base/atomic_file.hpp"
+#include "worker/base/part_of.hpp"
 #include "worker/camera/small_left_images.hpp"
 #include "worker/io/glb_writer.hpp"
 #include "worker/keyframes/keyframe_images.hpp"
@@ -16,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr double kDisplayed = 0.8;                   // share of the work that is done then
 constexpr const char* kThumbnail = "thumbnail.png";  // for report.html, not an artifact
 
 // Returns what reads the images of keyframes. Those of a rolling shutter are moved by their depth,
@@ -35,6 +37,25 @@ keyframes::ReadImage keyframe_images(const Reconstruction& made) {
                int frame_index) { return images->read(frame_index); };
 }
 
+TextureMetrics write_glb(const Reconstruction& made,
+                         const fs::path& file,
+                         const base::ProgressCallback& progress) {
+    const types::Mesh& surface = made.surface.mesh;
+    if (!made.options().texture || surface.triangles.empty()) {
+        io::write_glb(file, surface, nullptr, io::GlbCompression::Meshopt);
+        return {.num_triangles = std::ssize(surface.triangles)};
+    }
+    const DisplayMesh shown = make_display_mesh(
+        surface,
+        made.optimised.rig,
+        made.optimised.keyframes,
+        [&made](int frame_index) { return made.keyframe_store.left_in_color(frame_index); },
+        made.options().num_threads,
+        progress);
+    io::write_glb(file, shown.mesh, &shown.texture, io::GlbCompression::Meshopt);
+    return shown.metrics;
+}
+
 std::string read_text(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
     return {std::istreambuf_iterator<char>(stream), {}};
@@ -51,25 +72,13 @@ bool load_texture(Reconstruction& made, const std::string& key) {
 void run_texture(Reconstruction& made, const base::ProgressCallback& progress) {
     const fs::path folder = made.scratch("texture");
     fs::create_directories(folder);
-    const DisplayMesh shown = make_display_mesh(
-        made.surface.mesh,
-        made.optimised.rig,
-        made.optimised.keyframes,
-        [&made](int frame_index) { return made.keyframe_store.left_in_color(frame_index); },
-        made.options(),
-        progress);
-    made.texture = shown.metrics;
-    io::write_glb(folder / "mesh.glb",
-                  shown.mesh,
-                  shown.texture ? &*shown.texture : nullptr,
-                  io::GlbCompression::Meshopt);
-    progress({});
+    made.texture = write_glb(made, folder / "mesh.glb", base::part_of(progress, 0.0, kDisplayed));
     keyframes::write_keyframe_images(folder,
                                      made.optimised.rig,
                                      made.optimised.keyframes,
                                      keyframe_images(made),
                                      made.options().num_threads,
-                                     progress);
+                                     base::part_of(progress, kDisplayed, 1.0));
     if (!made.options().texture) return;
     const mosaic::Mosaic mosaic = mosaic::render_mosaic(made.surface.mesh);
     mosaic::write_mosaic(folder, mosaic);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <opencv2/imgproc.hpp>
 
 #include "tests/synthetic/sea_floor.hpp"
@@ -45,9 +44,9 @@ protected:
             keyframes_.push_back(keyframe);
         }
     }
-    DisplayMesh shown(const types::Mesh& surface, bool texture = true) const {
+    DisplayMesh shown() const {
         return make_display_mesh(
-            surface,
+            floor_,
             synthetic::small_rig(),
             keyframes_,
             [&](int frame_index) {
@@ -55,7 +54,7 @@ protected:
                     .look(keyframes_[static_cast<std::size_t>(frame_index)].T_world_cam)
                     .left_color;
             },
-            make_options("standard", {{"texture", texture}}),
+            2,
             base::ignore_progress);
     }
     // Returns the grey value of the texture at the centre of a triangle.
@@ -78,46 +77,29 @@ protected:
 };
 
 TEST_F(DisplayMeshTest, ShowsTheFloorAsThePhotographsDo) {
-    const DisplayMesh result = shown(floor_);
+    const DisplayMesh result = shown();
 
-    ASSERT_TRUE(result.texture);
-    EXPECT_EQ(result.metrics.num_atlases, std::ssize(result.texture->atlases));
+    EXPECT_EQ(result.metrics.num_atlases, std::ssize(result.texture.atlases));
     EXPECT_EQ(result.metrics.num_lost_images, 0);
     EXPECT_GT(result.metrics.textured_share, 0.999);
     std::vector<double> errors;
     for (std::size_t i = 0; i < result.mesh.triangles.size(); ++i) {
-        if (result.texture->atlas_of_triangle[i] == types::Texture::kUntextured) continue;
+        if (result.texture.atlas_of_triangle[i] == types::Texture::kUntextured) continue;
         Eigen::Vector3f centre = Eigen::Vector3f::Zero();
         for (const std::uint32_t vertex : result.mesh.triangles[i])
             centre += result.mesh.vertices[vertex] / 3.0F;
         const double brightness = SeaFloor().brightness(centre.x(), centre.y());
-        errors.push_back(std::abs(texel(*result.texture, i) - brightness));
+        errors.push_back(std::abs(texel(result.texture, i) - brightness));
     }
     EXPECT_LT(stats::median(std::move(errors)), 3.0);
 }
 
 TEST_F(DisplayMeshTest, KeepsWithinHalfASigmaOfTheSurface) {
-    const DisplayMesh result = shown(floor_);
+    const DisplayMesh result = shown();
 
     EXPECT_LT(result.metrics.num_triangles, std::ssize(floor_.triangles) / 4);
     EXPECT_EQ(result.metrics.num_triangles, std::ssize(result.mesh.triangles));
     EXPECT_LE(result.metrics.simplification.max_m, 0.5 * kSigma_m);
-}
-
-TEST_F(DisplayMeshTest, WithoutTextureHasTheColoursOfItsVertices) {
-    const DisplayMesh result = shown(floor_, false);
-
-    EXPECT_FALSE(result.texture);
-    EXPECT_EQ(result.metrics.num_atlases, 0);
-    EXPECT_EQ(result.metrics.textured_share, 0.0);
-    EXPECT_EQ(result.mesh.colors.size(), result.mesh.vertices.size());
-}
-
-TEST_F(DisplayMeshTest, OfAnEmptySurfaceIsEmpty) {
-    const DisplayMesh result = shown({});
-
-    EXPECT_TRUE(result.mesh.triangles.empty());
-    EXPECT_FALSE(result.texture);
 }
 
 }  // namespace
