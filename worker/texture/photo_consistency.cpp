@@ -13,7 +13,8 @@ namespace divemesh::texture {
 namespace {
 
 constexpr float kMaxSigmas = 4.0F;
-// Of the logarithm. A near image has more contrast than far ones: without a fish it differs too.
+// Logarithms of colours differ by this without a fish too: a near image has more contrast than far
+// ones.
 constexpr float kMinSigma = 0.06F;
 
 // A bit for each candidate of a triangle.
