@@ -126,26 +126,19 @@ types::Mesh thinned_cloud(const ReconstructionFolder& reconstruction) {
     return thinned;
 }
 
-std::vector<std::string> export_colmap(const ReconstructionFolder& reconstruction,
-                                       const nlohmann::json& certificate,
-                                       const std::filesystem::path& out) {
+// Writes the folder of a program that goes on from poses, images and points; `write` makes its
+// model in `model`.
+template <typename WriteModel>
+std::vector<std::string> export_posed_images(const ReconstructionFolder& reconstruction,
+                                             const nlohmann::json& certificate,
+                                             const std::filesystem::path& folder,
+                                             const std::filesystem::path& model,
+                                             const WriteModel& write) {
     const PosedImages images = read_posed_images(reconstruction);
-    const types::Mesh points = thinned_cloud(reconstruction);
-    write_colmap(out / "colmap/sparse/0", images, points, certificate_line(certificate));
-    copy_images(images, out / "colmap/images");
-    write_certificate(out / "colmap", certificate);
-    return {"colmap"};
-}
-
-std::vector<std::string> export_nerfstudio(const ReconstructionFolder& reconstruction,
-                                           const nlohmann::json& certificate,
-                                           const std::filesystem::path& out) {
-    const PosedImages images = read_posed_images(reconstruction);
-    const types::Mesh points = thinned_cloud(reconstruction);
-    write_nerfstudio(out / "nerfstudio", images, points, certificate_line(certificate));
-    copy_images(images, out / "nerfstudio/images");
-    write_certificate(out / "nerfstudio", certificate);
-    return {"nerfstudio"};
+    write(model, images, thinned_cloud(reconstruction), certificate_line(certificate));
+    copy_images(images, folder / "images");
+    write_certificate(folder, certificate);
+    return {folder.filename().string()};
 }
 
 std::vector<std::string> export_las(const ReconstructionFolder& reconstruction,
@@ -184,8 +177,15 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
                           certificate_line(certificate));
             return {"mesh_obj.zip"};
         case ExportFormat::Geotiff: return export_geotiff(reconstruction, position, out);
-        case ExportFormat::Colmap: return export_colmap(reconstruction, certificate, out);
-        case ExportFormat::Nerfstudio: return export_nerfstudio(reconstruction, certificate, out);
+        case ExportFormat::Colmap:
+            return export_posed_images(
+                reconstruction, certificate, out / "colmap", out / "colmap/sparse/0", write_colmap);
+        case ExportFormat::Nerfstudio:
+            return export_posed_images(reconstruction,
+                                       certificate,
+                                       out / "nerfstudio",
+                                       out / "nerfstudio",
+                                       write_nerfstudio);
         case ExportFormat::Las: return export_las(reconstruction, position, certificate, out);
     }
     return {};

@@ -11,7 +11,7 @@
 
 namespace divemesh::texture {
 
-// Of fewer colours it cannot be said which is wrong.
+// With fewer colours none can be called wrong.
 inline constexpr std::size_t kMinJudgedViews = 3;
 
 using LogColor = Eigen::Array3f;  // b g r, natural logarithm

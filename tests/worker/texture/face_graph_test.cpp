@@ -20,7 +20,7 @@ void expect_consistent(const FaceGraph& graph) {
 TEST(FaceGraph, LinksTheTrianglesOfEachInnerEdge) {
     const FaceGraph graph(square_mesh(1.0F, 10));
     expect_consistent(graph);
-    // Of the 320 edges, 40 are at the border.
+    // 40 of the 320 edges are at the border.
     EXPECT_EQ(graph.num_links(), 2U * (320U - 40U));
     ASSERT_EQ(graph.links(0).size(), 2U);  // a corner cell: the diagonal, and the cell to the right
     EXPECT_EQ(graph.links(0)[0].face, 1U);
