@@ -84,6 +84,8 @@ public:
     virtual const std::optional<MarkerPlan>& markers() const = 0;
     // Returns the reference mesh in the ground truth's world.
     virtual std::optional<types::Mesh> read_reference_mesh() const = 0;
+    // Returns all true surface that a camera saw, however far away, in the ground truth's world.
+    virtual std::optional<types::Mesh> read_scene_mesh() const = 0;
 };
 
 }  // namespace divemesh::dive

@@ -21,6 +21,7 @@ constexpr int kPrefetchedPairs = 3;
 constexpr int kImagesProbed = 5;
 constexpr double kMinDeviation = 2.0;  // grey values; less is water, or a lens cap
 constexpr const char* kReferenceMesh = "reference.ply";
+constexpr const char* kSceneMesh = "scene.ply";
 
 // Returns a callback that passes on at most one call per 50 ms.
 base::ProgressCallback throttled(const base::ProgressCallback& progress) {
@@ -82,7 +83,8 @@ StoredDive::StoredDive(const std::filesystem::path& path,
     report_other_dives();
     pair_images();
     check_coverage(contents_, findings_);
-    check_reference_mesh();
+    check_mesh(kReferenceMesh);
+    check_mesh(kSceneMesh);
     if (!contents_.has_rig) return;
     check_gravity_direction(contents_, findings_);
     reader_ =
@@ -135,13 +137,13 @@ LoadedPair StoredDive::load(int index, Eyes eyes) const {
     return pair;
 }
 
-void StoredDive::check_reference_mesh() {
+void StoredDive::check_mesh(const char* file) {
     try {
-        read_reference_mesh();
+        read_mesh(file);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::BadData) throw;
         findings_.error("reference_unreadable",
-                        kReferenceMesh,
+                        file,
                         printable(error.what()),
                         "Write it as PLY with x, y, z and triangles, or remove it.");
     }
@@ -253,13 +255,20 @@ double StoredDive::duration_s() const {
                       contents_.frames.pairs.front().timestamp_ns);
 }
 
-std::optional<types::Mesh> StoredDive::read_reference_mesh() const {
-    if (!files_.has(kReferenceMesh)) return std::nullopt;
-    const auto bytes = files_.read(kReferenceMesh, limits_.max_file_bytes);
+std::optional<types::Mesh> StoredDive::read_mesh(const char* file) const {
+    if (!files_.has(file)) return std::nullopt;
+    const auto bytes = files_.read(file, limits_.max_file_bytes);
     if (!bytes)
-        throw Error(ErrorCode::BadData, "reference.ply is too large: simplify it or remove it");
-    return io::parse_ply(*bytes, kReferenceMesh);
+        throw Error(ErrorCode::BadData,
+                    std::string(file) + " is too large: simplify it or remove it");
+    return io::parse_ply(*bytes, file);
 }
+
+std::optional<types::Mesh> StoredDive::read_reference_mesh() const {
+    return read_mesh(kReferenceMesh);
+}
+
+std::optional<types::Mesh> StoredDive::read_scene_mesh() const { return read_mesh(kSceneMesh); }
 
 std::unique_ptr<Dive> Dive::open(const std::filesystem::path& path,
                                  const std::filesystem::path& scratch,

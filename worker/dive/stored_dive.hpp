@@ -46,6 +46,7 @@ public:
     }
     const std::optional<MarkerPlan>& markers() const override { return contents_.markers; }
     std::optional<types::Mesh> read_reference_mesh() const override;
+    std::optional<types::Mesh> read_scene_mesh() const override;
 
     // Hashes the files that are not hashed yet, with progress.
     void hash_contents(const base::ProgressCallback& progress) const;
@@ -55,7 +56,8 @@ private:
     LoadedPair load(int index, Eyes eyes = Eyes::Both) const;
     void report_other_dives();
     void pair_images();
-    void check_reference_mesh();
+    std::optional<types::Mesh> read_mesh(const char* file) const;
+    void check_mesh(const char* file);
     void check_first_images();
     types::StereoFrame frame_of(LoadedPair pair) const;
     void leave_out_repeated(LoadedPair& pair);

@@ -35,6 +35,7 @@ void add_surface_error(const EvaluationInput& input, Evaluation& evaluation) {
         surface.camera_positions_world.emplace_back(
             (pose.T_world_imu * input.rig.T_imu_cam0).translation());
     surface.pairs = pairs_along(input.trajectory, input.rig);
+    surface.scene = input.scene;
     surface.num_threads = input.num_threads;
     try {
         evaluation.surface = surface_error(*input.mesh, *input.reference, surface);

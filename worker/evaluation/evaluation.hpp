@@ -29,6 +29,7 @@ struct EvaluationInput {
     double scale_sigma = types::kCalibrationSigma;  // of the final trajectory
     double readout_time_s = 0.0;                    // of a rolling shutter
     double contradiction_sigma = 0.0;               // as in KnownPath
+    const types::Mesh* scene = nullptr;             // as in SurfaceErrorInput
 };
 
 // The result compared with the ground truth that the dive contains; parts without ground truth are

@@ -210,12 +210,12 @@ SurfaceError surface_error(const types::Mesh& mesh_world,
         return distances(our_samples, surface, input.num_threads);
     };
     std::vector<double> accuracy;
-    if (is_cloud) {
+    if (is_cloud && input.scene == nullptr) {
         accuracy = compare(PointIndex(reference));
     } else {
-        const SurfaceIndex surface(reference);
+        const SurfaceIndex surface(input.scene != nullptr ? *input.scene : reference);
         accuracy = compare(surface);
-        if (input.pairs)
+        if (input.pairs && !is_cloud)
             error.share_20mm = share_of_seen(
                 reference_samples,
                 completeness,

@@ -17,8 +17,11 @@ struct SurfaceErrorInput {
     std::vector<Eigen::Vector3d>
         camera_positions_world;        // of the estimate; empty: no limit of range
     std::optional<StereoPairs> pairs;  // of the estimate; nullopt: no share of what they saw
-    double near_range_m = 1.6;         // reference surface within this range counts as near
-    double max_range_m = 4.0;  // our surface farther than this from every camera is left out
+    // All true surface that a camera saw, in the reference's world; nullptr: the reference is all
+    // that is known. Our surface is compared with it, the reference with ours.
+    const types::Mesh* scene = nullptr;
+    double near_range_m = 1.6;  // reference surface within this range counts as near
+    double max_range_m = 4.0;   // our surface farther than this from every camera is left out
     std::int64_t num_samples = 1'000'000;  // in each direction
     std::uint64_t seed = 1;
     int num_threads = 0;  // 0: all cores; does not change any metric
@@ -51,7 +54,7 @@ struct RelativeDistance {
 
 // The distances between our surface and the reference, in both directions.
 struct SurfaceError {
-    DistanceSummary accuracy;      // ours -> reference
+    DistanceSummary accuracy;      // ours -> scene
     DistanceSummary completeness;  // reference -> ours, over the whole reference
     // The next two are nullopt if the cameras are unknown.
     std::optional<RelativeDistance> relative;          // of accuracy
@@ -59,7 +62,7 @@ struct SurfaceError {
     // Share of the reference seen in three pairs within kSeenRange_m that lies within 20 mm of our
     // surface; nullopt if the pairs are unknown, nothing was seen, or the reference is a cloud.
     std::optional<double> share_20mm;
-    double false_share_50mm = 0.0;       // of all our samples: farther from the reference
+    double false_share_50mm = 0.0;       // of all our samples: farther from the scene
     double share_beyond_range = 0.0;     // of our samples; these are excluded from accuracy
     std::vector<ThresholdScore> scores;  // 5, 10, 20, 50 mm
     // Median distance from a reference point to the next; only if the reference is a cloud.

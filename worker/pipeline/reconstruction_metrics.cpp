@@ -104,6 +104,7 @@ std::vector<Finding> findings(const Reconstruction& made,
 evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
     const types::PathUncertainty& path = made.optimised.statistics.path;
     const types::CovarianceTrack covariances = stated_covariances(made.optimised);
+    const std::optional<types::Mesh> scene = made.dive.read_scene_mesh();
     return evaluation::evaluate_reconstruction(
         {.rig = made.used_rig(),
          .trajectory = made.optimised.trajectory,
@@ -118,7 +119,8 @@ evaluation::Evaluation compare_with_truth(const Reconstruction& made) {
          .num_threads = made.request.options.num_threads,
          .scale_sigma = evaluation::lengths_sigma(path),
          .readout_time_s = made.optimised.calibration.applied_readout_time_s(),
-         .contradiction_sigma = evaluation::contradiction_sigma(path.scale_contradiction)});
+         .contradiction_sigma = evaluation::contradiction_sigma(path.scale_contradiction),
+         .scene = scene ? &*scene : nullptr});
 }
 
 nlohmann::json metrics_of(const Reconstruction& made) {

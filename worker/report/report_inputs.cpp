@@ -106,10 +106,12 @@ ReportInputs read_report_inputs(const AccuracyReportRequest& request,
         inputs.truth_source = "dive";
     }
     progress({.stage = "evaluate", .fraction = 0.15});
-    if (request.reference)
+    if (request.reference) {
         inputs.reference = io::read_mesh(*request.reference);
-    else if (inputs.dive)
+    } else if (inputs.dive) {
         inputs.reference = inputs.dive->read_reference_mesh();
+        inputs.scene = inputs.dive->read_scene_mesh();
+    }
     if (request.measurements)
         inputs.known_distances = read_known_distances(*request.measurements, inputs.findings);
     else if (inputs.dive)

@@ -22,6 +22,7 @@ struct ReportInputs {
     std::optional<io::TrajectoryFile> truth;  // nullopt: no truth
     std::string truth_source;                 // "dive" or the name of the file
     std::optional<types::Mesh> reference;     // without triangles: a cloud
+    std::optional<types::Mesh> scene;         // all true surface, of which the reference is a part
     std::vector<dive::KnownDistance> known_distances;
     nlohmann::json files;  // "files" of report.json
     std::vector<Finding> findings;

@@ -133,10 +133,12 @@ void Measuring::compare_surfaces(const base::ProgressCallback& progress) try {
             (T_imu_cam0 ? pose.T_world_imu * *T_imu_cam0 : pose.T_world_imu).translation());
     if (const auto rig = inputs_.reconstruction.rig())
         input.pairs = evaluation::pairs_along(inputs_.reconstruction.trajectory(), *rig);
+    if (inputs_.scene) input.scene = &*inputs_.scene;
     result_.surface = evaluation::surface_error(mesh, *inputs_.reference, input);
     result_.document["surface"] = evaluation::to_metrics(*result_.surface);
     progress({.stage = "evaluate", .fraction = 0.7});
-    const ErrorMap map = render_error_map(mesh, *inputs_.reference, input);
+    const ErrorMap map =
+        render_error_map(mesh, inputs_.scene ? *inputs_.scene : *inputs_.reference, input);
     result_.error_map_png = map.png;
     result_.error_map_end_m = map.end_m;
     progress({.stage = "evaluate", .fraction = 0.8});

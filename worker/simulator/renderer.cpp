@@ -64,7 +64,8 @@ Renderer::Renderer(const Scene& scene,
       noise_(texture_noise(options_.seed)),
       to_sun_(Eigen::Vector3f(0.35F, -0.22F, 0.9F).normalized()),
       light_(scene, caster_, to_sun_, check_cancelled),
-      seen_(scene.triangles.size()) {
+      seen_(scene.triangles.size()),
+      in_reference_(scene.triangles.size()) {
     for (std::size_t c = 0; c < rays_.size(); ++c) {
         check_cancelled();
         rays_[c] = rays_of(c == 0 ? rig.cam0 : rig.cam1);
@@ -149,7 +150,7 @@ void Renderer::render_row(const Eye& eye, int row, Rendering& rendering) {
         RayCaster::Directions4 directions = eye.rays->samples[pixel];
         for (Eigen::Vector3f& direction : directions) direction = eye.R_world_cam * direction;
         const auto hits = caster_.cast4(eye.center_world, directions);
-        if (eye.camera == 0) mark_seen(hits, directions);
+        mark_seen(eye, hits, directions);
         const bool fish_near = std::any_of(eye.fish.begin(), eye.fish.end(), [&](const auto& fish) {
             return fish.box.contains({u, row});
         });
@@ -178,14 +179,18 @@ void Renderer::render_row(const Eye& eye, int row, Rendering& rendering) {
     }
 }
 
-void Renderer::mark_seen(const RayHits4& hits, const RayCaster::Directions4& directions) {
+void Renderer::mark_seen(const Eye& eye,
+                         const RayHits4& hits,
+                         const RayCaster::Directions4& directions) {
+    // Written only once, so that the cache line stays shared by all threads afterwards.
+    const auto mark = [](std::atomic<bool>& flag) {
+        if (!flag.load(std::memory_order_relaxed)) flag.store(true, std::memory_order_relaxed);
+    };
     for (std::size_t i = 0; i < hits.size(); ++i) {
         if (!hits[i].valid()) continue;
-        // Written only once, so that the cache line stays shared by all threads afterwards.
-        auto& seen = seen_[hits[i].triangle];
-        if (seen.load(std::memory_order_relaxed) == 0 &&
-            hits[i].t * directions[i].norm() < kReferenceRange_m)
-            seen.store(1, std::memory_order_relaxed);
+        mark(seen_[hits[i].triangle]);
+        if (eye.camera == 0 && hits[i].t * directions[i].norm() < kReferenceRange_m)
+            mark(in_reference_[hits[i].triangle]);
     }
 }
 
@@ -308,11 +313,10 @@ Rgb Renderer::shade(const Eye& eye, const Point& point, const Rgb& color, float 
     return color * light;
 }
 
-std::vector<bool> Renderer::seen_triangles() const {
-    std::vector<bool> seen(seen_.size());
-    for (std::size_t i = 0; i < seen.size(); ++i)
-        seen[i] = seen_[i].load(std::memory_order_relaxed) != 0;
-    return seen;
+std::vector<bool> Renderer::seen_triangles() const { return {seen_.begin(), seen_.end()}; }
+
+std::vector<bool> Renderer::reference_triangles() const {
+    return {in_reference_.begin(), in_reference_.end()};
 }
 
 }  // namespace divemesh::simulator

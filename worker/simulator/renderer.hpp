@@ -49,10 +49,11 @@ public:
     Rendering render(int camera, const Eigen::Isometry3d& T_world_imu, double t_s);
     // Renders open water as a camera sees it: the veil, and snow.
     Rendering render_water(int camera, const Eigen::Isometry3d& T_world_imu, double t_s) const;
-    // The range within which a triangle that camera 0 sees counts as seen; seen_triangles() covers
-    // all images since construction.
-    static constexpr float kReferenceRange_m = 4.0F;
+    // The triangles that all images since construction showed.
     std::vector<bool> seen_triangles() const;
+    // Those of them that images of camera 0 showed within kReferenceRange_m.
+    static constexpr float kReferenceRange_m = 4.0F;
+    std::vector<bool> reference_triangles() const;
 
 private:
     struct Eye;  // one image being rendered
@@ -77,7 +78,7 @@ private:
     using RayHits4 = std::array<RayHit, 4>;
 
     void render_row(const Eye& eye, int row, Rendering& rendering);
-    void mark_seen(const RayHits4& hits, const RayCaster::Directions4& directions);
+    void mark_seen(const Eye& eye, const RayHits4& hits, const RayCaster::Directions4& directions);
     std::optional<Fish::Hit> nearest_fish(const Eye& eye,
                                           const cv::Point& pixel,
                                           const RayHit& hit,
@@ -108,7 +109,9 @@ private:
     Eigen::Vector3f to_sun_;
     BakedLight light_;
     std::array<Rays, 2> rays_;
-    std::vector<std::atomic<std::uint8_t>> seen_;
+    // Of each triangle, whether an image showed it, and camera 0 within the reference's range.
+    std::vector<std::atomic<bool>> seen_;
+    std::vector<std::atomic<bool>> in_reference_;
 };
 
 }  // namespace divemesh::simulator

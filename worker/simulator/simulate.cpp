@@ -112,13 +112,17 @@ public:
                           options_.year,
                           scene_.changes,
                           surface_changes(*first_year_, scene_));
-        io::write_ply(options_.out / "reference.ply",
-                      make_reference_mesh(scene_, renderer.seen_triangles(), options_.seed));
+        write_surface("reference.ply", renderer.reference_triangles());
+        write_surface("scene.ply", renderer.seen_triangles());
         write_dive_info(options_.out / "dive.json", options_, water_);
         tell(exposures_.size());
     }
 
 private:
+    void write_surface(const char* file, const std::vector<bool>& seen) const {
+        io::write_ply(options_.out / file, make_reference_mesh(scene_, seen, options_.seed));
+    }
+
     // Lays the markers as on the first dive of the first year.
     void mark() {
         SimulateOptions first = options_;

@@ -65,11 +65,11 @@ struct SimulateOptions {
 };
 
 // Renders a dive with exact ground truth into `options.out`: images, IMU, AHRS, trajectory,
-// reference.ply (what cam0 saw within 4 m), measurements.json. A calibration with errors is written
-// where that of a dive is; the images are of the true rig, which truth/ then states. The same
-// options give the same bytes for any number of threads. Progress has one stage, "simulate". Throws
-// Error{InvalidArgument} for options out of range, Error{Conflict} if `out` is not empty, and
-// Error{OutOfSpace} if a file cannot be written.
+// reference.ply (what cam0 saw within 4 m), scene.ply (all that was seen), measurements.json. A
+// calibration with errors is written where that of a dive is; the images are of the true rig, which
+// truth/ then states. The same options give the same bytes for any number of threads. Progress has
+// one stage, "simulate". Throws Error{InvalidArgument} for options out of range, Error{Conflict} if
+// `out` is not empty, and Error{OutOfSpace} if a file cannot be written.
 void simulate(const SimulateOptions& options,
               const base::ProgressCallback& report = base::ignore_progress);
 

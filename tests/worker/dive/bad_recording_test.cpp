@@ -608,12 +608,15 @@ TEST_F(BadRecordingTest, ImagesOfAnotherFormatAreNamed) {
     }
 }
 
-TEST_F(BadRecordingTest, AReferenceMeshThatIsCutShortIsRefused) {
-    tiny_.write("reference.ply",
-                "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
-                "property float x\nproperty float y\nproperty float z\nend_header\nabc");
+TEST_F(BadRecordingTest, ATrueSurfaceThatIsCutShortIsRefused) {
+    const std::string file =
+        "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\n"
+        "property float x\nproperty float y\nproperty float z\nend_header\nabc";
+    tiny_.write("reference.ply", file);
+    tiny_.write("scene.ply", file);
 
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "reference_unreadable", "reference.ply"));
+    EXPECT_THAT(findings(), HasFinding(Severity::Error, "reference_unreadable", "scene.ply"));
 }
 
 TEST_F(BadRecordingTest, ABrokenDiveJsonIsToldAndLeftOut) {

@@ -74,10 +74,12 @@ TEST(RigTest, MeasurementsReferenceMeshAndWaterAreRead) {
     tiny.write("dive.json", R"({"name": "A", "water": {"temperature": 4, "salinity": 35}})");
     tiny.write("measurements.json",
                R"({"distances": [{"name": "bar", "a": [0,0,0], "b": [3,4,0], "distance_m": 5}]})");
-    tiny.write("reference.ply",
-               "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
-               "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
-               "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    const std::string triangle =
+        "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
+        "property float z\nelement face 1\nproperty list uchar int vertex_indices\n"
+        "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    tiny.write("reference.ply", triangle);
+    tiny.write("scene.ply", triangle);
 
     const auto dive = Dive::open(tiny.folder(), folder / "scratch");
 
@@ -86,6 +88,7 @@ TEST(RigTest, MeasurementsReferenceMeshAndWaterAreRead) {
     ASSERT_EQ(dive->known_distances().size(), 1U);
     EXPECT_EQ(dive->known_distances()[0].b_world, Eigen::Vector3d(3, 4, 0));
     EXPECT_EQ(dive->read_reference_mesh()->triangles.size(), 1U);
+    EXPECT_EQ(dive->read_scene_mesh()->triangles.size(), 1U);
 }
 
 TEST(MeasurementsTest, EndsMarkedInImages) {

@@ -106,6 +106,24 @@ TEST(SurfaceError, FalseSurfaceCountsWhateverItsRange) {
                 2e-3);
 }
 
+// A strip of 1 x 10 m of which the reference shows the first 5 m. A second sheet lies 20 cm above
+// the last metre, where nothing is.
+TEST(SurfaceError, OurSurfaceIsComparedWithTheWholeScene) {
+    SurfaceErrorInput input = few_samples();
+    const types::Mesh scene = plane(0, 100, 10);
+    types::Mesh ours = scene;
+    const auto first = static_cast<std::uint32_t>(ours.vertices.size());
+    for (const Eigen::Vector3f& vertex : plane(0.2F, 10, 10).vertices)
+        ours.vertices.emplace_back(vertex + Eigen::Vector3f(9.0F, 0.0F, 0.0F));
+    for (const auto& triangle : plane(0, 10, 10).triangles)
+        ours.triangles.push_back({first + triangle[0], first + triangle[1], first + triangle[2]});
+    input.scene = &scene;
+    const SurfaceError error = surface_error(ours, plane(0, 50, 10), input);
+    EXPECT_NEAR(error.false_share_50mm, 1.0 / 11.0, 1e-3);
+    EXPECT_NEAR(error.scores[0].precision, 10.0 / 11.0, 1e-3);
+    EXPECT_EQ(error.scores[0].recall, 1.0);
+}
+
 // The pairs are 1 m above a bed of 4 x 2 m and look down at it: both images of one show it for
 // 0.62 < x < 1.5 (the right camera is 12 cm to the right). The mesh ends at x = 1.
 TEST(SurfaceError, OfTheReferenceThatThreePairsSawTheShareWithin20mmIsTold) {

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <set>
 #include <sstream>
 
 #include "schemas/error.hpp"
@@ -84,6 +85,13 @@ TEST(SimulateTest, ReferenceSurfaceLandsWhereTheDepthTruthSays) {
     simulate(options);
     const types::Mesh reference = io::read_ply(options.out / "reference.ply");
     ASSERT_GT(reference.triangles.size(), 1000U);
+    const types::Mesh scene = io::read_ply(options.out / "scene.ply");
+    EXPECT_GT(scene.triangles.size(), reference.triangles.size());
+    std::set<std::array<float, 3>> positions;
+    for (const Eigen::Vector3f& vertex : scene.vertices)
+        positions.insert({vertex.x(), vertex.y(), vertex.z()});
+    for (const Eigen::Vector3f& vertex : reference.vertices)
+        ASSERT_TRUE(positions.contains({vertex.x(), vertex.y(), vertex.z()}));
     const types::Rig rig = draw_rig(options.width_px, options.height_px, options.seed);
     const auto frames = rows_of(options.out / "mav0/cam0/data.csv");
     std::map<std::string, std::vector<std::string>> truth;
