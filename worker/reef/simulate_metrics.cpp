@@ -83,6 +83,21 @@ std::vector<stats::Simulated> simulate_metrics(const std::vector<SurfacePatch>& 
     return metrics;
 }
 
+std::vector<double> standard_deviations(const std::vector<std::vector<double>>& replicates) {
+    if (replicates.empty()) return {};
+    const auto num = static_cast<Eigen::Index>(replicates.size());
+    std::vector<double> deviations;
+    for (std::size_t k = 0; k < replicates[0].size(); ++k) {
+        Eigen::ArrayXd values(num);
+        for (Eigen::Index i = 0; i < num; ++i)
+            values[i] = replicates[static_cast<std::size_t>(i)][k];
+        const double variance =
+            (values - values.mean()).square().sum() / (static_cast<double>(num) - 1.0);
+        deviations.push_back(std::isfinite(variance) ? std::sqrt(variance) : 0.0);
+    }
+    return deviations;
+}
+
 std::vector<double> bend_deviations(
     const std::vector<SurfacePatch>& patches,
     double alike_m,
@@ -97,15 +112,7 @@ std::vector<double> bend_deviations(
             places.push_back(with_noise(patch, patch.sigma_bend_m, field, 1.0));
         bent[i] = evaluate(places);
     });
-    if (bent.empty()) return {};
-    std::vector<double> deviations;
-    for (std::size_t k = 0; k < bent[0].size(); ++k) {
-        Eigen::ArrayXd values(num);
-        for (int i = 0; i < num; ++i) values[i] = bent[i][k];
-        const double variance = (values - values.mean()).square().sum() / (num - 1.0);
-        deviations.push_back(std::isfinite(variance) ? std::sqrt(variance) : 0.0);
-    }
-    return deviations;
+    return standard_deviations(bent);
 }
 
 }  // namespace divemesh::reef

@@ -24,6 +24,10 @@ std::vector<stats::Simulated> simulate_metrics(const std::vector<SurfacePatch>& 
                                                const MeasureOptions& options,
                                                const Evaluate& evaluate);
 
+// Returns the standard deviation of each metric over replicates, each with the same metrics; 0
+// where one is not finite, empty without replicates.
+std::vector<double> standard_deviations(const std::vector<std::vector<double>>& replicates);
+
 // Returns the standard deviation of each metric over surfaces moved by the vertices' sigma_bend, in
 // common over `alike_m`; empty if no vertex has a sigma_bend.
 std::vector<double> bend_deviations(

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/base/parallel.hpp"
 #include "worker/reef/dilate_steps.hpp"
+#include "worker/reef/displace_steps.hpp"
 
 namespace divemesh::reef {
 namespace {
@@ -37,11 +39,17 @@ std::vector<double> of_hidden_ground(const OutlineSurvey& survey,
     return systematic;
 }
 
-std::vector<double> of_steps(const OutlineSurvey& survey,
-                             const std::vector<MetricKind>& kinds,
-                             const std::vector<stats::Simulated>& simulated) {
+// Returns one standard deviation of where a step lies.
+double step_deviation_m(const OutlineSurvey& survey) {
+    return survey.sampling_resolution.detail_m.value_or(0.0) / std::sqrt(12.0);
+}
+
+// Steps that lie all farther out or in.
+std::vector<double> of_dilated_steps(const OutlineSurvey& survey,
+                                     const std::vector<MetricKind>& kinds,
+                                     const std::vector<stats::Simulated>& simulated) {
     std::vector<double> systematic(kinds.size(), 0.0);
-    const double deviation_m = survey.sampling_resolution.detail_m.value_or(0.0) / std::sqrt(12.0);
+    const double deviation_m = step_deviation_m(survey);
     const Ground measured = survey.ground(survey.patch[0].vertices);
     for (const double outwards_m : {deviation_m, -deviation_m}) {
         Ground ground = measured;
@@ -52,6 +60,28 @@ std::vector<double> of_steps(const OutlineSurvey& survey,
                 systematic[k] = std::max(systematic[k], difference(moved[k], simulated[k]));
     }
     return systematic;
+}
+
+// Steps that each lie beside their place.
+std::vector<double> of_displaced_steps(const OutlineSurvey& survey,
+                                       const std::vector<MetricKind>& kinds,
+                                       const std::vector<stats::Simulated>& simulated,
+                                       const MeasureOptions& options) {
+    constexpr std::size_t kNumReplicates = 32;
+    StepDisplacement displacement{
+        step_deviation_m(survey), survey.sampling_resolution.detail_m.value_or(0.0), 0};
+    if (displacement.deviation_m < survey.shape.spacing_m) return {};
+    const Ground measured = survey.ground(survey.patch[0].vertices);
+    std::vector<std::vector<double>> values(kNumReplicates);
+    base::for_each_index(options.num_threads, values.size(), [&](std::size_t i) {
+        StepDisplacement of_replicate = displacement;
+        of_replicate.seed = options.seed + i;
+        Ground ground = measured;
+        ground.grid = with_steps_displaced(measured.grid, of_replicate);
+        ground.gaps_filled = with_steps_displaced(measured.gaps_filled, of_replicate);
+        values[i] = values_of(kinds, ground, simulated);
+    });
+    return standard_deviations(values);
 }
 
 }  // namespace
@@ -66,7 +96,8 @@ std::vector<double> systematic_uncertainty(const OutlineSurvey& survey,
                                            const std::vector<MetricKind>& kinds,
                                            const std::vector<stats::Simulated>& simulated,
                                            const MeasureOptions& options) {
-    std::vector<double> systematic = of_steps(survey, kinds, simulated);
+    std::vector<double> systematic = of_dilated_steps(survey, kinds, simulated);
+    const std::vector<double> displaced = of_displaced_steps(survey, kinds, simulated, options);
     const std::vector<double> hidden = of_hidden_ground(survey, kinds, simulated);
     const std::vector<double> bends =
         bend_deviations(survey.patch,
@@ -77,7 +108,9 @@ std::vector<double> systematic_uncertainty(const OutlineSurvey& survey,
                             return values_of(kinds, survey.ground(places[0]), simulated);
                         });
     for (std::size_t k = 0; k < kinds.size(); ++k)
-        systematic[k] = std::hypot(systematic[k], hidden[k], bends.empty() ? 0.0 : bends[k]);
+        systematic[k] = std::hypot(std::hypot(systematic[k], hidden[k]),
+                                   displaced.empty() ? 0.0 : displaced[k],
+                                   bends.empty() ? 0.0 : bends[k]);
     return systematic;
 }
 

@@ -10,8 +10,8 @@ namespace divemesh::reef {
 // Returns one standard deviation of each metric for what is not noise of the vertices:
 // - hidden ground: the change if it continued at its lower end instead of being bridged, and the
 //   metric's own hidden_deviation;
-// - steps, for metrics without blurring: a disparity puts them anywhere in its support, so that all
-//   may lie 1 / sqrt(12) of `detail_m` farther out or in;
+// - steps: a disparity puts them anywhere in its support, so that each may lie 1 / sqrt(12) of
+//   `detail_m` beside its place, and, for metrics without blurring, all farther out or in by that;
 // - bends and poses (the vertices' sigma without its noise): random fields of that size, in common
 //   over `detail_m`, put on the surface.
 std::vector<double> systematic_uncertainty(const OutlineSurvey& survey,
