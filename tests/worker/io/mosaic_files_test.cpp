@@ -1,0 +1,123 @@
+#include "worker/io/mosaic_files.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "tests/worker/io/test_files.hpp"
+#include "worker/io/raster_reader.hpp"
+
+namespace divemesh::io {
+namespace {
+
+// Returns a floor of 5 x 2 m at -2 m, south-west corner at (1, 1), whose eastern fifth is missing,
+// with a sigma of 3 mm.
+types::Mesh floor_with_gap() {
+    types::Mesh mesh;
+    mesh.vertices = {{1, 1, -2}, {5, 1, -2}, {5, 3, -2}, {1, 3, -2}, {6, 1, -2}};
+    mesh.vertices.emplace_back(6.0F, 1.1F, -2.0F);
+    mesh.colors.assign(6, {200, 100, 50});
+    mesh.sigma_m.assign(6, 0.003F);
+    mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 4, 5}};
+    return mesh;
+}
+
+class MosaicFilesTest : public FileTest {
+protected:
+    cv::Mat written(const types::Mesh& mesh, double pixel_m, int num_threads = 1) const {
+        const mosaic::MosaicGrid grid = mosaic::mosaic_grid(mesh, pixel_m);
+        const mosaic::MosaicRenderer renderer(mesh, nullptr, grid, num_threads);
+        return write_mosaic(file(""), renderer, std::nullopt);
+    }
+    nlohmann::json description() const {
+        return nlohmann::json::parse(FileTest::read(file("mosaic.json")));
+    }
+};
+
+TEST_F(MosaicFilesTest, HoldColoursHeightsAndTheirSigma) {
+    written(floor_with_gap(), 0.01);
+
+    RasterReader color(file("mosaic.tif"));
+    RasterReader heights(file("heights.tif"));
+    RasterReader sigma(file("heights_sigma.tif"));
+    EXPECT_EQ(color.rows(100, 1).at<cv::Vec4b>(0, 100), cv::Vec4b(50, 100, 200, 255));
+    EXPECT_EQ(heights.rows(100, 1).at<float>(0, 100), -2.0F);
+    EXPECT_FLOAT_EQ(sigma.rows(100, 1).at<float>(0, 100), 0.003F);
+    EXPECT_EQ(color.rows(100, 1).at<cv::Vec4b>(0, 450), cv::Vec4b());
+    EXPECT_TRUE(std::isnan(heights.rows(100, 1).at<float>(0, 450)));
+}
+
+TEST_F(MosaicFilesTest, TheDescriptionPlacesPreviewAndGeoTiffs) {
+    const cv::Mat preview = written(floor_with_gap(), 0.001);
+
+    const nlohmann::json json = description();
+    EXPECT_EQ(json["geotiff"]["width_px"], 5001);
+    EXPECT_EQ(json["geotiff"]["pixel_m"], 0.001);
+    EXPECT_EQ(json["geotiff"]["corner_x_m"], 1.0);
+    EXPECT_EQ(json["geotiff"]["corner_y_m"], 3.0);
+    EXPECT_EQ(json["width_px"], 2501);  // half, to stay below 4096
+    EXPECT_EQ(json["pixel_m"], 0.002);
+    EXPECT_EQ(json["corner_x_m"], 1.0);
+    const mosaic::MosaicGrid grid = mosaic_grid_of(json, "mosaic.json");
+    EXPECT_EQ(grid.width_px, 5001);
+    EXPECT_EQ(grid.corner_y_m, 3.0);
+    const cv::Mat image = cv::imread(file("mosaic.png"), cv::IMREAD_UNCHANGED);
+    ASSERT_EQ(image.type(), CV_8UC4);
+    ASSERT_EQ(image.cols, 2501);
+    EXPECT_EQ(cv::norm(image, preview, cv::NORM_INF), 0.0);
+}
+
+TEST_F(MosaicFilesTest, WorldFilesGiveTheCentreOfTheFirstPixel) {
+    written(floor_with_gap(), 0.001);
+
+    const auto values = [&](const char* name) {
+        std::istringstream text(FileTest::read(file(name)));
+        std::vector<double> read;
+        for (double value = 0.0; text >> value;) read.push_back(value);
+        return read;
+    };
+    for (const char* name : {"mosaic.tfw", "heights.tfw"})
+        EXPECT_EQ(values(name), (std::vector<double>{0.001, 0, 0, -0.001, 1.0005, 2.9995})) << name;
+    EXPECT_EQ(values("mosaic.pgw"), (std::vector<double>{0.002, 0, 0, -0.002, 1.001, 2.999}));
+}
+
+TEST_F(MosaicFilesTest, AnEmptyMeshIsOneTransparentPixel) {
+    const cv::Mat preview = written({}, 0.001);
+
+    EXPECT_EQ(preview.size(), cv::Size(1, 1));
+    EXPECT_EQ(RasterReader(file("mosaic.tif")).rows(0, 1).at<cv::Vec4b>(0, 0), cv::Vec4b());
+}
+
+TEST_F(MosaicFilesTest, AStripOfTenKilometresIsAFewMegabytes) {
+    types::Mesh mesh;
+    mesh.vertices = {{0, 0, 0}, {10'000, 0, 0}, {10'000, 1, 0}};
+    mesh.triangles = {{0, 1, 2}};
+    written(mesh, 0.001);
+
+    EXPECT_LE(description()["geotiff"]["width_px"], 32'767);
+    EXPECT_LT(std::filesystem::file_size(file("heights.tif")), 5'000'000U);
+}
+
+TEST_F(MosaicFilesTest, ThreadsDoNotChangeThem) {
+    const std::vector<const char*> names = {
+        "mosaic.tif", "heights.tif", "heights_sigma.tif", "mosaic.png"};
+    written(floor_with_gap(), 0.004, 1);
+    std::vector<std::string> of_one;
+    for (const char* name : names) of_one.push_back(FileTest::read(file(name)));
+    written(floor_with_gap(), 0.004, 4);
+
+    for (std::size_t i = 0; i < names.size(); ++i)
+        EXPECT_EQ(FileTest::read(file(names[i])), of_one[i]) << names[i];
+}
+
+TEST_F(MosaicFilesTest, ADescriptionOfAnOlderVersionIsRefused) {
+    const Error error = error_of([] { mosaic_grid_of({{"pixel_m", 0.01}}, "model/mosaic.json"); });
+
+    EXPECT_EQ(error.code(), ErrorCode::BadData);
+    EXPECT_NE(std::string(error.what()).find("model/mosaic.json"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace divemesh::io
