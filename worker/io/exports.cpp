@@ -47,7 +47,7 @@ std::vector<std::string> export_geotiff(const ReconstructionFolder& reconstructi
                     "position {latitude_deg, longitude_deg, x_azimuth_deg} into its dive.json, or "
                     "give --latitude and --longitude");
     require_mosaic(reconstruction);
-    const mosaic::MosaicGrid grid =
+    const types::RasterGrid grid =
         mosaic_grid_of(reconstruction.mosaic(), reconstruction.path() / "mosaic.json");
     return copy_mosaic(reconstruction.path(), grid, *position, out);
 }

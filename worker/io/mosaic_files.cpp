@@ -6,10 +6,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/base/atomic_file.hpp"
-#include "worker/io/geotiff_writer.hpp"
-#include "worker/io/raster_frame.hpp"
 #include "worker/io/raster_reader.hpp"
-#include "worker/mosaic/mosaic_preview.hpp"
 
 namespace divemesh::io {
 namespace {
@@ -17,14 +14,14 @@ namespace {
 using nlohmann::json;
 
 constexpr int kMaxPreviewSide_px = 4096;
-constexpr int kRows = 256;  // rendered at once
+constexpr int kRows = 256;  // copied at once
 constexpr const char* kColor = "mosaic.tif";
 constexpr const char* kHeights = "heights.tif";
 constexpr const char* kSigma = "heights_sigma.tif";
 constexpr const char* kColorPlace = "mosaic.tfw";
 constexpr const char* kHeightsPlace = "heights.tfw";
 
-json to_json(const mosaic::MosaicGrid& grid) {
+json to_json(const types::RasterGrid& grid) {
     return {{"width_px", grid.width_px},
             {"height_px", grid.height_px},
             {"pixel_m", grid.pixel_m},
@@ -32,7 +29,7 @@ json to_json(const mosaic::MosaicGrid& grid) {
             {"corner_y_m", grid.corner_y_m}};
 }
 
-json description(const mosaic::MosaicGrid& preview, const mosaic::MosaicGrid& whole) {
+json description(const types::RasterGrid& preview, const types::RasterGrid& whole) {
     json result = to_json(preview);
     result["frame"] = "world (m, z up); columns run along +x, rows along -y, seen from +z";
     result["color_file"] = "mosaic.png";
@@ -50,8 +47,8 @@ void write_png(const std::filesystem::path& file, const cv::Mat& image) {
 }
 
 void write_preview(const std::filesystem::path& folder,
-                   const mosaic::MosaicPreview& preview,
-                   const mosaic::MosaicGrid& whole) {
+                   const MosaicPreview& preview,
+                   const types::RasterGrid& whole) {
     write_png(folder / "mosaic.png", preview.image());
     base::write_file(folder / "mosaic.pgw", world_file(raster_frame(preview.grid(), std::nullopt)));
     base::write_file(folder / "mosaic.json", description(preview.grid(), whole).dump(2) + "\n");
@@ -74,35 +71,32 @@ void copy_raster(const std::filesystem::path& from,
 
 }  // namespace
 
-cv::Mat write_mosaic(const std::filesystem::path& folder,
-                     const mosaic::MosaicRenderer& renderer,
-                     const std::optional<types::GeographicPosition>& position,
-                     const base::ProgressCallback& progress) {
-    const mosaic::MosaicGrid& grid = renderer.grid();
-    const RasterFrame frame = raster_frame(grid, position);
-    const cv::Size size(grid.width_px, grid.height_px);
-    const int num_threads = renderer.num_threads();
-    GeotiffWriter color(folder / kColor, size, CV_8UC4, frame, num_threads);
-    GeotiffWriter heights(folder / kHeights, size, CV_32F, frame, num_threads);
-    GeotiffWriter sigma(folder / kSigma, size, CV_32F, frame, num_threads);
-    mosaic::MosaicPreview preview(grid, kMaxPreviewSide_px);
-    for (int row = 0; row < size.height; row += kRows) {
-        const mosaic::MosaicRows rows = renderer.rows(row, std::min(kRows, size.height - row));
-        color.append(rows.color);
-        heights.append(rows.height_m);
-        sigma.append(rows.sigma_m);
-        preview.append(rows.color);
-        Progress reached;
-        reached.fraction = static_cast<double>(row) / size.height;
-        progress(reached);
-    }
-    for (GeotiffWriter* writer : {&color, &heights, &sigma}) writer->commit();
-    write_world_files(folder, frame);
-    write_preview(folder, preview, grid);
-    return preview.image();
+MosaicWriter::MosaicWriter(const std::filesystem::path& folder,
+                           const types::RasterGrid& grid,
+                           const std::optional<types::GeographicPosition>& position,
+                           int num_threads)
+    : folder_(folder),
+      grid_(grid),
+      frame_(raster_frame(grid, position)),
+      color_(folder / kColor, {grid.width_px, grid.height_px}, CV_8UC4, frame_, num_threads),
+      heights_(folder / kHeights, {grid.width_px, grid.height_px}, CV_32F, frame_, num_threads),
+      sigma_(folder / kSigma, {grid.width_px, grid.height_px}, CV_32F, frame_, num_threads),
+      preview_(grid, kMaxPreviewSide_px) {}
+
+void MosaicWriter::append(const cv::Mat& color, const cv::Mat& height_m, const cv::Mat& sigma_m) {
+    color_.append(color);
+    heights_.append(height_m);
+    sigma_.append(sigma_m);
+    preview_.append(color);
 }
 
-mosaic::MosaicGrid mosaic_grid_of(const json& description, const std::filesystem::path& file) try {
+void MosaicWriter::commit() {
+    for (GeotiffWriter* writer : {&color_, &heights_, &sigma_}) writer->commit();
+    write_world_files(folder_, frame_);
+    write_preview(folder_, preview_, grid_);
+}
+
+types::RasterGrid mosaic_grid_of(const json& description, const std::filesystem::path& file) try {
     const json& geotiff = description.at("geotiff");
     return {geotiff.at("width_px").get<int>(),
             geotiff.at("height_px").get<int>(),
@@ -115,7 +109,7 @@ mosaic::MosaicGrid mosaic_grid_of(const json& description, const std::filesystem
 }
 
 std::vector<std::string> copy_mosaic(const std::filesystem::path& folder,
-                                     const mosaic::MosaicGrid& grid,
+                                     const types::RasterGrid& grid,
                                      const types::GeographicPosition& position,
                                      const std::filesystem::path& out) {
     const RasterFrame frame = raster_frame(grid, position);

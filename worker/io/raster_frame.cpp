@@ -22,7 +22,7 @@ std::string utm_citation(const types::GeographicPosition& position) {
 
 }  // namespace
 
-RasterFrame raster_frame(const mosaic::MosaicGrid& grid,
+RasterFrame raster_frame(const types::RasterGrid& grid,
                          const std::optional<types::GeographicPosition>& position) {
     Eigen::Matrix3d T_world_pixel;  // of (column, row, 1)
     // clang-format off

@@ -4,8 +4,8 @@
 #include <optional>
 #include <string>
 
-#include "worker/mosaic/mosaic_grid.hpp"
 #include "worker/types/geographic_position.hpp"
+#include "worker/types/raster_grid.hpp"
 
 namespace divemesh::io {
 
@@ -20,7 +20,7 @@ struct RasterFrame {
 };
 
 // Returns the frame of a mosaic: in UTM with a position, local without one.
-RasterFrame raster_frame(const mosaic::MosaicGrid& grid,
+RasterFrame raster_frame(const types::RasterGrid& grid,
                          const std::optional<types::GeographicPosition>& position);
 
 // Returns the six lines of an ESRI world file: the (x, y) of a pixel's centre is (A column + B row

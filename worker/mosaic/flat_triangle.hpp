@@ -6,8 +6,8 @@
 #include <cstddef>
 #include <optional>
 
-#include "worker/mosaic/mosaic_grid.hpp"
 #include "worker/types/mesh.hpp"
+#include "worker/types/raster_grid.hpp"
 
 namespace divemesh::mosaic {
 
@@ -24,7 +24,7 @@ public:
     // Returns nullopt for a triangle that has no area from above.
     static std::optional<FlatTriangle> of(const types::Mesh& mesh,
                                           std::size_t triangle,
-                                          const MosaicGrid& grid) {
+                                          const types::RasterGrid& grid) {
         FlatTriangle flat;
         for (std::size_t i = 0; i < 3; ++i) {
             const Eigen::Vector3d corner =

@@ -40,8 +40,8 @@ double coarse_enough_m(const Eigen::Vector2d& size_m, double pixel_m, const Mosa
 
 }  // namespace
 
-MosaicGrid mosaic_grid(const types::Mesh& mesh, double pixel_m, const MosaicLimits& limits) {
-    MosaicGrid grid;
+types::RasterGrid mosaic_grid(const types::Mesh& mesh, double pixel_m, const MosaicLimits& limits) {
+    types::RasterGrid grid;
     if (mesh.triangles.empty()) return grid;
     const Eigen::AlignedBox2d bounds = bounds_of(mesh);
     grid.pixel_m = coarse_enough_m(bounds.sizes(), pixel_m, limits);

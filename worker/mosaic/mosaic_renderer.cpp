@@ -42,7 +42,7 @@ class RowsPainter {
 public:
     RowsPainter(const types::Mesh& mesh,
                 const types::Texture* texture,
-                const MosaicGrid& grid,
+                const types::RasterGrid& grid,
                 const DrawnRows& drawn,
                 MosaicRows& out)
         : mesh_(mesh),
@@ -108,7 +108,7 @@ private:
 
     const types::Mesh& mesh_;
     const types::Texture* texture_;
-    const MosaicGrid& grid_;
+    const types::RasterGrid& grid_;
     DrawnRows drawn_;
     MosaicRows& out_;
     cv::Mat highest_;  // CV_32S, the bits of the triangle's index; kNoTriangle where there is none
@@ -118,7 +118,7 @@ private:
 
 MosaicRenderer::MosaicRenderer(const types::Mesh& mesh,
                                const types::Texture* texture,
-                               const MosaicGrid& grid,
+                               const types::RasterGrid& grid,
                                int num_threads)
     : mesh_(mesh), texture_(texture), grid_(grid), num_threads_(num_threads) {
     sort_triangles();

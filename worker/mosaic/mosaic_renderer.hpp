@@ -5,8 +5,8 @@
 #include <opencv2/core/mat.hpp>
 #include <vector>
 
-#include "worker/mosaic/mosaic_grid.hpp"
 #include "worker/types/mesh.hpp"
+#include "worker/types/raster_grid.hpp"
 #include "worker/types/texture.hpp"
 
 namespace divemesh::mosaic {
@@ -25,11 +25,9 @@ class MosaicRenderer {
 public:
     MosaicRenderer(const types::Mesh& mesh,
                    const types::Texture* texture,
-                   const MosaicGrid& grid,
+                   const types::RasterGrid& grid,
                    int num_threads);
 
-    const MosaicGrid& grid() const { return grid_; }
-    int num_threads() const { return num_threads_; }
     MosaicRows rows(int first_row, int num_rows) const;
 
 private:
@@ -37,7 +35,7 @@ private:
 
     const types::Mesh& mesh_;
     const types::Texture* texture_;
-    MosaicGrid grid_;
+    types::RasterGrid grid_;
     int num_threads_;
     // The triangles of each group of rows, in their order: those of group i are at [begin_of_group_
     // [i], begin_of_group_[i + 1]).

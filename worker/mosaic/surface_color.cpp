@@ -8,8 +8,8 @@
 namespace divemesh::mosaic {
 namespace {
 
-// Samples along a row or column of a pixel: on a wall, which a mosaic hardly shows, a pixel covers
-// any number of texels.
+// Samples along a row or column of a pixel: twice the border of charts (texture/cut_charts), within
+// which the atlas goes on beyond a triangle. On a wall a pixel covers any number of texels.
 constexpr long kMaxSamples = 8;
 
 Eigen::Vector3f vertex_color(const types::Mesh& mesh, std::uint32_t vertex) {
@@ -33,13 +33,6 @@ Eigen::Vector3f color_of_vertices(const types::Mesh& mesh,
     return color;
 }
 
-// Returns the weights of the nearest place in the triangle, roughly: beyond it the atlas shows
-// something else.
-Eigen::Vector3d moved_inside(const Eigen::Vector3d& weights) {
-    const Eigen::Vector3d inside = weights.cwiseMax(0.0);
-    return inside / inside.sum();
-}
-
 // The corners of a triangle in its atlas, in texels with their centres at integers.
 using TexelCorners = Eigen::Matrix<double, 2, 3>;
 
@@ -52,29 +45,47 @@ TexelCorners texel_corners(const std::array<Eigen::Vector2f, 3>& uv, const cv::M
     return corners;
 }
 
-long num_samples(const TexelCorners& corners, const Eigen::Vector3d& step) {
-    return static_cast<long>(
-        std::clamp(std::round((corners * step).norm()), 1.0, static_cast<double>(kMaxSamples)));
+// Where samples lie between the edges of a pixel, along its row or column.
+struct Samples {
+    long count = 1;
+    bool leave_border = false;  // of the chart: they may lie farther outside the triangle
+
+    double offset(long sample) const {
+        return (static_cast<double>(sample) + 0.5) / static_cast<double>(count) - 0.5;
+    }
+};
+
+// Returns a sample for each texel that `step` covers.
+Samples samples_along(const TexelCorners& corners, const Eigen::Vector3d& step) {
+    const double num_texels = (corners * step).norm();
+    const auto max = static_cast<double>(kMaxSamples);
+    return {static_cast<long>(std::clamp(std::round(num_texels), 1.0, max)), num_texels > max};
+}
+
+// Returns the weights of the nearest place in the triangle, roughly: far outside of it the atlas
+// shows something else.
+Eigen::Vector3d moved_inside(const Eigen::Vector3d& weights) {
+    const Eigen::Vector3d inside = weights.cwiseMax(0.0);
+    return inside / inside.sum();
 }
 
 Eigen::Vector3f mean_texel(const cv::Mat& atlas,
                            const TexelCorners& corners,
                            const PixelFootprint& pixel) {
-    const long columns = num_samples(corners, pixel.along_row);
-    const long rows = num_samples(corners, pixel.along_column);
-    const auto offset = [](long sample, long count) {
-        return (static_cast<double>(sample) + 0.5) / static_cast<double>(count) - 0.5;
-    };
+    const Samples columns = samples_along(corners, pixel.along_row);
+    const Samples rows = samples_along(corners, pixel.along_column);
+    const bool leave_border = columns.leave_border || rows.leave_border;
     Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-    for (long row = 0; row < rows; ++row)
-        for (long column = 0; column < columns; ++column) {
-            const Eigen::Vector3d weights =
-                moved_inside(pixel.weights + offset(column, columns) * pixel.along_row +
-                             offset(row, rows) * pixel.along_column);
-            const Eigen::Vector2f place = (corners * weights).cast<float>();
-            sum += texture::bilinear_color(atlas, place);
+    for (long row = 0; row < rows.count; ++row)
+        for (long column = 0; column < columns.count; ++column) {
+            const Eigen::Vector3d weights = pixel.weights +
+                                            columns.offset(column) * pixel.along_row +
+                                            rows.offset(row) * pixel.along_column;
+            const Eigen::Vector2d place =
+                corners * (leave_border ? moved_inside(weights) : weights);
+            sum += texture::bilinear_color(atlas, place.cast<float>());
         }
-    return sum / static_cast<float>(rows * columns);
+    return sum / static_cast<float>(rows.count * columns.count);
 }
 
 }  // namespace

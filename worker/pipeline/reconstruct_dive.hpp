@@ -37,7 +37,7 @@ struct ReconstructionRequest {
 };
 
 // Reconstructs a dive: opens it, runs the table of stages (reconstruction_stages.hpp), and writes
-// trajectory, cloud, mesh, mosaic, keyframes, metrics.json and report.html; with options.surface
+// trajectory, cloud, mesh, mosaic, heights, keyframes, metrics.json and report.html; with options.surface
 // false only what follows from the trajectory. Returns the content of metrics.json. If no usable
 // model results, the verdict states it, the findings give the reason, and the results so far are
 // written. Throws Error{BadData} with the first error among the findings on the

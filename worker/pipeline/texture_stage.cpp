@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -24,6 +25,7 @@ namespace fs = std::filesystem;
 // Shares of the work that are done: of the whole, and of what kDisplayed covers.
 constexpr double kDisplayed = 0.9;
 constexpr double kTextured = 0.8;
+constexpr int kRows = 256;                           // of the mosaic, rendered at once
 constexpr const char* kThumbnail = "thumbnail.png";  // for report.html, not an artifact
 
 // Returns what reads the images of keyframes. Those of a rolling shutter are moved by their depth,
@@ -62,12 +64,20 @@ double write_mosaic(const Reconstruction& made,
                     const DisplayMesh& shown,
                     const fs::path& folder,
                     const base::ProgressCallback& progress) {
-    const mosaic::MosaicGrid grid =
+    const types::RasterGrid grid =
         mosaic::mosaic_grid(shown.mesh, mosaic::seen_pixel_m(shown.mesh, shown.texture));
-    const mosaic::MosaicRenderer renderer(
-        shown.mesh, &shown.texture, grid, made.options().num_threads);
-    const cv::Mat preview = io::write_mosaic(folder, renderer, made.dive.info().position, progress);
-    base::write_file(folder / kThumbnail, mosaic::thumbnail_png(preview));
+    const int num_threads = made.options().num_threads;
+    const mosaic::MosaicRenderer renderer(shown.mesh, &shown.texture, grid, num_threads);
+    io::MosaicWriter writer(folder, grid, made.dive.info().position, num_threads);
+    for (int row = 0; row < grid.height_px; row += kRows) {
+        const mosaic::MosaicRows rows = renderer.rows(row, std::min(kRows, grid.height_px - row));
+        writer.append(rows.color, rows.height_m, rows.sigma_m);
+        Progress reached;
+        reached.fraction = static_cast<double>(row) / grid.height_px;
+        progress(reached);
+    }
+    writer.commit();
+    base::write_file(folder / kThumbnail, mosaic::thumbnail_png(writer.preview()));
     return grid.pixel_m;
 }
 

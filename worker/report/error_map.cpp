@@ -73,7 +73,7 @@ private:
 
 // Returns the distance of each pixel that shows surface within range, m; NaN elsewhere.
 cv::Mat distances_m(const cv::Mat& heights_m,
-                    const mosaic::MosaicGrid& grid,
+                    const types::RasterGrid& grid,
                     const types::Mesh& reference,
                     const evaluation::SurfaceErrorInput& input) {
     const DistanceToReference surface(reference);
@@ -118,7 +118,7 @@ double scale_end_m(const cv::Mat& distance_m) {
 ErrorMap render_error_map(const types::Mesh& mesh_world,
                           const types::Mesh& reference,
                           const evaluation::SurfaceErrorInput& input) {
-    const mosaic::MosaicGrid grid =
+    const types::RasterGrid grid =
         mosaic::mosaic_grid(mesh_world, std::max(1e-6, max_side_m(mesh_world) / (kSide_px - 1)));
     mosaic::MosaicRows image = mosaic::MosaicRenderer(mesh_world, nullptr, grid, input.num_threads)
                                    .rows(0, grid.height_px);

@@ -203,9 +203,13 @@ TEST_F(ExportsTest, AGeoTiffOfAResultWithoutAMosaicSaysHowToMakeOne) {
 
 TEST_F(ExportsTest, GeoTiffsKeepTheirPixelsAndGetAPlace) {
     write("metrics.json", "{}");
-    const types::Mesh mesh = tetrahedron();
-    const mosaic::MosaicGrid grid = mosaic::mosaic_grid(mesh, 0.003);
-    write_mosaic(file(""), mosaic::MosaicRenderer(mesh, nullptr, grid, 1), std::nullopt);
+    const types::RasterGrid grid{400, 300, 0.003, 1.0, 2.0};
+    cv::Mat color(300, 400, CV_8UC4, cv::Scalar(1, 2, 3, 255));
+    cv::randu(color.rowRange(100, 200), 0, 255);
+    const cv::Mat heights(300, 400, CV_32F, cv::Scalar::all(-1.5));
+    MosaicWriter writer(file(""), grid, std::nullopt, 1);
+    writer.append(color, heights, heights);
+    writer.commit();
     const types::GeographicPosition position{45.0, 15.0, 90.0};  // x to the east, y to the north
 
     const auto names = export_reconstruction(

@@ -16,7 +16,7 @@ types::Mesh rectangle(float width_m, float height_m) {
 }
 
 TEST(MosaicGridTest, CoversTheMeshFromItsNorthWestCorner) {
-    const MosaicGrid grid = mosaic_grid(rectangle(4, 2), 0.03);
+    const types::RasterGrid grid = mosaic_grid(rectangle(4, 2), 0.03);
 
     EXPECT_DOUBLE_EQ(grid.corner_x_m, 1.0);
     EXPECT_DOUBLE_EQ(grid.corner_y_m, 3.0);
@@ -26,7 +26,7 @@ TEST(MosaicGridTest, CoversTheMeshFromItsNorthWestCorner) {
 }
 
 TEST(MosaicGridTest, TenKilometresGetCoarserPixelsOfTenthsOfAMillimetre) {
-    const MosaicGrid grid = mosaic_grid(rectangle(10'000, 1), 0.001);
+    const types::RasterGrid grid = mosaic_grid(rectangle(10'000, 1), 0.001);
 
     EXPECT_LE(grid.width_px, 32'767);
     EXPECT_NEAR(grid.pixel_m, 10'000.0 / 32'767, 2e-4);
@@ -34,14 +34,14 @@ TEST(MosaicGridTest, TenKilometresGetCoarserPixelsOfTenthsOfAMillimetre) {
 }
 
 TEST(MosaicGridTest, TheNumberOfPixelsIsLimitedToo) {
-    const MosaicGrid grid = mosaic_grid(rectangle(30, 30), 0.001, {.max_pixels = 1'000'000});
+    const types::RasterGrid grid = mosaic_grid(rectangle(30, 30), 0.001, {.max_pixels = 1'000'000});
 
     EXPECT_LE(std::int64_t{grid.width_px} * grid.height_px, 1'000'000);
     EXPECT_NEAR(grid.pixel_m, 0.03, 2e-4);
 }
 
 TEST(MosaicGridTest, AnEmptyMeshHasOnePixel) {
-    const MosaicGrid grid = mosaic_grid({}, 0.001);
+    const types::RasterGrid grid = mosaic_grid({}, 0.001);
 
     EXPECT_EQ(grid.width_px, 1);
     EXPECT_EQ(grid.height_px, 1);

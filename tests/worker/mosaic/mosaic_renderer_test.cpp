@@ -23,7 +23,7 @@ Plates floor_with_plate() {
 }
 
 MosaicRows render(const Plates& plates, double pixel_m, int num_threads = 1) {
-    const MosaicGrid grid = mosaic_grid(plates.mesh, pixel_m);
+    const types::RasterGrid grid = mosaic_grid(plates.mesh, pixel_m);
     return MosaicRenderer(plates.mesh, &plates.texture, grid, num_threads).rows(0, grid.height_px);
 }
 
@@ -79,7 +79,7 @@ TEST(MosaicRendererTest, NoPixelBetweenNeighbouringTrianglesStaysEmpty) {
     plates.texture.uv.resize(plates.mesh.triangles.size());
     plates.texture.atlas_of_triangle.resize(plates.mesh.triangles.size(),
                                             types::Texture::kUntextured);
-    const MosaicGrid grid = mosaic_grid(plates.mesh, 0.1);
+    const types::RasterGrid grid = mosaic_grid(plates.mesh, 0.1);
     const MosaicRows mosaic = render(plates, 0.1);
 
     for (int row = 0; row < grid.height_px; ++row)
@@ -188,6 +188,24 @@ TEST(MosaicRendererTest, OneTriangleIsEnough) {
     EXPECT_EQ(mosaic.color.at<cv::Vec4b>(2, 3)[3], 0);
 }
 
+TEST(MosaicRendererTest, AnEmptyMeshIsOneTransparentPixel) {
+    const MosaicRows mosaic = render({}, 0.1);
+
+    ASSERT_EQ(mosaic.color.size(), cv::Size(1, 1));
+    EXPECT_EQ(mosaic.color.at<cv::Vec4b>(0, 0), cv::Vec4b());
+}
+
+TEST(MosaicRendererTest, ATriangleOfTenKilometresIsDrawn) {
+    Plates plates;
+    plates.add({0, 0}, {10'000, 10}, 2.0F, {7, 7, 7});
+    const types::RasterGrid grid = mosaic_grid(plates.mesh, 0.001);
+    const MosaicRows mosaic = render(plates, 0.001);
+
+    EXPECT_NEAR(grid.width_px * grid.pixel_m, 10'000.0, 1.0);
+    for (int column = 0; column < grid.width_px - 1; ++column)
+        ASSERT_EQ(mosaic.height_m.at<float>(15, column), 2.0F) << column;
+}
+
 bool is_same(const cv::Mat& one, const cv::Mat& other) {
     return one.size() == other.size() &&
            std::equal(one.datastart, one.dataend, other.datastart, other.dataend);
@@ -198,7 +216,7 @@ TEST(MosaicRendererTest, ThreadsAndTheNumberOfRowsAtOnceDoNotChangeThePixels) {
     plates.add({0, 0}, {3, 4}, 0.0F, {9, 9, 9}, 0.3F);
     plates.paint(bump(300, 400, 100, 100, 80));
     plates.add({0.5F, 0.5F}, {2, 3}, 0.2F, {200, 0, 0});
-    const MosaicGrid grid = mosaic_grid(plates.mesh, 0.013);
+    const types::RasterGrid grid = mosaic_grid(plates.mesh, 0.013);
     const MosaicRows whole = render(plates, 0.013);
     const MosaicRows by_four = render(plates, 0.013, 4);
     EXPECT_TRUE(is_same(whole.color, by_four.color));

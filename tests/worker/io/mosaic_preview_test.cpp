@@ -1,17 +1,17 @@
-#include "worker/mosaic/mosaic_preview.hpp"
+#include "worker/io/mosaic_preview.hpp"
 
 #include <gtest/gtest.h>
 
 #include <opencv2/core.hpp>
 
-namespace divemesh::mosaic {
+namespace divemesh::io {
 namespace {
 
 const cv::Vec4b kDark(10, 20, 30, 255);
 const cv::Vec4b kLight(50, 60, 70, 255);
 
 TEST(MosaicPreviewTest, APixelIsTheMeanOfThoseThatShowSurface) {
-    const MosaicGrid whole{7, 5, 0.001, 3.0, 4.0};
+    const types::RasterGrid whole{7, 5, 0.001, 3.0, 4.0};
     cv::Mat color(5, 7, CV_8UC4, cv::Scalar::all(0));
     color.at<cv::Vec4b>(0, 0) = kDark;
     color.at<cv::Vec4b>(1, 1) = kLight;
@@ -41,4 +41,4 @@ TEST(MosaicPreviewTest, ASmallMosaicIsItsOwnPreview) {
 }
 
 }  // namespace
-}  // namespace divemesh::mosaic
+}  // namespace divemesh::io

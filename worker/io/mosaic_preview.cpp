@@ -1,15 +1,15 @@
-#include "worker/mosaic/mosaic_preview.hpp"
+#include "worker/io/mosaic_preview.hpp"
 
 #include <algorithm>
 
-namespace divemesh::mosaic {
+namespace divemesh::io {
 namespace {
 
 int divided_up(int number, int divisor) { return (number + divisor - 1) / divisor; }
 
 }  // namespace
 
-MosaicPreview::MosaicPreview(const MosaicGrid& whole, int max_side_px)
+MosaicPreview::MosaicPreview(const types::RasterGrid& whole, int max_side_px)
     : factor_(divided_up(std::max(whole.width_px, whole.height_px), max_side_px)),
       num_rows_left_(whole.height_px),
       grid_(whole) {
@@ -48,4 +48,4 @@ void MosaicPreview::finish_row() {
     ++next_row_;
 }
 
-}  // namespace divemesh::mosaic
+}  // namespace divemesh::io
