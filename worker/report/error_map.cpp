@@ -11,6 +11,7 @@
 #include "worker/base/parallel.hpp"
 #include "worker/evaluation/nearest_camera.hpp"
 #include "worker/evaluation/surface_index.hpp"
+#include "worker/mosaic/mosaic_grid.hpp"
 #include "worker/mosaic/mosaic_renderer.hpp"
 #include "worker/mosaic/thumbnail.hpp"
 #include "worker/stats/quantile.hpp"

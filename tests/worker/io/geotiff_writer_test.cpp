@@ -224,7 +224,7 @@ TEST_F(GdalItselfTest, ReadsALocalSystemInMetres) {
     EXPECT_EQ(info["geoTransform"], nlohmann::json({-2.5, 0.0013, 0.0, 7.25, 0.0, -0.0013}));
     const std::string system = info["coordinateSystem"]["wkt"];
     EXPECT_TRUE(system.starts_with("ENGCRS[\"local, metres, z up\"")) << system;
-    EXPECT_NE(system.find("LENGTHUNIT[\"metre\",1]"), std::string::npos) << system;
+    EXPECT_NE(system.find("LENGTHUNIT[\"metre\",1,"), std::string::npos) << system;
     EXPECT_EQ(info["metadata"]["IMAGE_STRUCTURE"]["LAYOUT"], "COG");
     EXPECT_EQ(info["metadata"]["IMAGE_STRUCTURE"]["COMPRESSION"], "DEFLATE");
     const nlohmann::json& band = info["bands"][0];

@@ -9,6 +9,7 @@
 #include <opencv2/core.hpp>
 
 #include "tests/worker/mosaic/textured_plate.hpp"
+#include "worker/mosaic/mosaic_grid.hpp"
 
 namespace divemesh::mosaic {
 namespace {
