@@ -136,7 +136,9 @@ void add_reconstruct(CLI::App& app, Context& context) {
                          "remove surface whose standard deviation is larger, m; 0: no limit");
     add_override<double>(
         *command, options, "--simplify", "simplify", "share of the triangles to keep, 0 to 1");
-    command->add_flag("--no-texture", options->no_texture, "leave out the mosaic");
+    command->add_flag("--no-texture",
+                      options->no_texture,
+                      "leave out the photographs on mesh.glb and the mosaic");
     command->add_flag(
         "--explain", options->explain, "print every option with its value and meaning");
     command->callback([options, &context] {

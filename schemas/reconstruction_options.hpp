@@ -52,7 +52,7 @@ struct ReconstructionOptions {
     double simplify = 1.0;        // share of the triangles to keep
     double simplify_error_m = 0;  // quadric error at which simplifying stops; 0: no limit
     // texture
-    bool texture = true;  // the mosaic; there is no texture yet
+    bool texture = true;  // of mesh.glb, and the mosaic
     // evaluate
     std::string exports;  // for other programs, comma-separated
     // machine: never changes a byte of the result

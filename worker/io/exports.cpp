@@ -1,18 +1,14 @@
 #include "worker/io/exports.hpp"
 
 #include <algorithm>
-#include <limits>
-#include <opencv2/imgcodecs.hpp>
-#include <sstream>
 
 #include "schemas/enum_text.hpp"
 #include "schemas/error.hpp"
 #include "worker/base/atomic_file.hpp"
 #include "worker/io/certificate.hpp"
 #include "worker/io/colmap_writer.hpp"
-#include "worker/io/geographic_frame.hpp"
-#include "worker/io/geotiff_writer.hpp"
 #include "worker/io/las_writer.hpp"
+#include "worker/io/mosaic_files.hpp"
 #include "worker/io/nerfstudio_writer.hpp"
 #include "worker/io/obj_writer.hpp"
 #include "worker/io/posed_images.hpp"
@@ -32,56 +28,14 @@ constexpr EnumText<ExportFormat> kTexts[] = {
     {ExportFormat::Las, "las"},
 };
 
-cv::Mat read_image(const std::filesystem::path& file) {
-    cv::Mat image = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
-    if (image.empty()) throw Error(ErrorCode::BadData, "cannot read the image " + file.string());
-    return image;
-}
-
-// mosaic.json and its two images, as written by write_mosaic.
-struct StoredMosaic {
-    nlohmann::json description;
-    cv::Mat color;
-    cv::Mat height_m;
-    Eigen::Matrix3d T_world_pixel = Eigen::Matrix3d::Identity();  // of (column, row, 1)
-};
-
-cv::Mat heights_of(const cv::Mat& steps, const nlohmann::json& elevation) {
-    cv::Mat height_m;
-    const double step_m = elevation.at("step_m").get<double>();
-    steps.convertTo(height_m, CV_32F, step_m, elevation.at("lowest_m").get<double>() - step_m);
-    height_m.setTo(std::numeric_limits<float>::quiet_NaN(), steps == 0);
-    return height_m;
-}
-
-StoredMosaic read_mosaic(const ReconstructionFolder& reconstruction) try {
-    StoredMosaic mosaic;
-    mosaic.description = reconstruction.mosaic();
-    mosaic.color = read_image(reconstruction.path() / "mosaic.png");
-    mosaic.height_m = heights_of(read_image(reconstruction.path() / "mosaic_height.png"),
-                                 mosaic.description.at("elevation"));
-    const double pixel_m = mosaic.description.at("pixel_m").get<double>();
-    // clang-format off
-    mosaic.T_world_pixel << pixel_m, 0.0, mosaic.description.at("corner_x_m").get<double>(),
-                            0.0, -pixel_m, mosaic.description.at("corner_y_m").get<double>(),
-                            0.0, 0.0, 1.0;
-    // clang-format on
-    return mosaic;
-} catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorCode::BadData,
-                (reconstruction.path() / "mosaic.json").string() + ": " + error.what());
-}
-
-std::string citation(const types::GeographicPosition& position) {
-    std::ostringstream text;
-    text.precision(9);
-    text << "WGS 84 / UTM; origin at latitude " << position.latitude_deg << ", longitude "
-         << position.longitude_deg;
-    if (position.x_azimuth_deg)
-        text << ", x axis at azimuth " << *position.x_azimuth_deg;
-    else
-        text << ", NORTH NOT KNOWN: y axis taken for it";
-    return text.str();
+// Throws Error{NotFound} if the reconstruction was made without a mosaic.
+void require_mosaic(const ReconstructionFolder& reconstruction) {
+    for (const char* name : {"mosaic.json", "mosaic.tif", "heights.tif", "heights_sigma.tif"})
+        if (!std::filesystem::exists(reconstruction.path() / name))
+            throw Error(ErrorCode::NotFound,
+                        std::string("no ") + name + " in " + reconstruction.path().string() +
+                            ", so there is no mosaic to place: copy the whole reconstruction, or "
+                            "reconstruct the dive with a surface and without --no-texture");
 }
 
 std::vector<std::string> export_geotiff(const ReconstructionFolder& reconstruction,
@@ -92,12 +46,10 @@ std::vector<std::string> export_geotiff(const ReconstructionFolder& reconstructi
                     "the position of the dive is not known, so a GeoTIFF cannot be written: write "
                     "position {latitude_deg, longitude_deg, x_azimuth_deg} into its dive.json, or "
                     "give --latitude and --longitude");
-    const StoredMosaic mosaic = read_mosaic(reconstruction);
-    const UtmFrame utm = utm_frame(*position);
-    const RasterFrame frame{utm.epsg, utm.A * mosaic.T_world_pixel, citation(*position)};
-    write_geotiff(out / "mosaic.tif", mosaic.color, frame);
-    write_geotiff(out / "mosaic_height.tif", mosaic.height_m, frame);
-    return {"mosaic.tif", "mosaic_height.tif"};
+    require_mosaic(reconstruction);
+    const types::RasterGrid grid =
+        mosaic_grid_of(reconstruction.mosaic(), reconstruction.path() / "mosaic.json");
+    return copy_mosaic(reconstruction.path(), grid, *position, out);
 }
 
 void write_certificate(const std::filesystem::path& folder, const nlohmann::json& certificate) {

@@ -1,155 +1,187 @@
 #include "worker/io/geotiff_writer.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cstring>
-#include <geotiff/geotiff.h>
-#include <geotiff/geovalues.h>
-#include <geotiff/xtiffio.h>
-#include <memory>
-#include <opencv2/imgproc.hpp>
-#include <vector>
+#include <cstdio>
+#include <limits>
+#include <tiff.h>
 
 #include "schemas/error.hpp"
 #include "worker/base/atomic_file.hpp"
+#include "worker/base/parallel.hpp"
+#include "worker/io/geotiff_tags.hpp"
+#include "worker/io/half_size.hpp"
+#include "worker/io/raster_tile.hpp"
 
 namespace divemesh::io {
 namespace {
 
 constexpr int kTile_px = 256;
-constexpr ttag_t kGdalNoData = 42113;  // the tag for "no data" in GDAL and QGIS
+constexpr std::uint64_t kMaxClassicBytes = std::numeric_limits<std::uint32_t>::max();
 
-// A file in memory, which libtiff reads and writes at random; it is written to disk as a whole.
-struct MemoryFile {
-    std::string bytes;
-    std::size_t position = 0;
-};
+// What GDAL looks for behind the header to read a file over a network in few requests.
+constexpr std::string_view kLayout =
+    "LAYOUT=IFDS_BEFORE_DATA\nBLOCK_ORDER=ROW_MAJOR\nBLOCK_LEADER=SIZE_AS_UINT4\n"
+    "BLOCK_TRAILER=LAST_4_BYTES_REPEATED\nKNOWN_INCOMPATIBLE_EDITION=NO\n ";
+constexpr std::size_t kLeaderBytes = 4;
+constexpr std::size_t kTrailerBytes = 4;
 
-MemoryFile& file_of(thandle_t handle) { return *static_cast<MemoryFile*>(handle); }
+int num_tiles(int length_px) { return (length_px + kTile_px - 1) / kTile_px; }
 
-tmsize_t read(thandle_t handle, void* buffer, tmsize_t size) {
-    MemoryFile& file = file_of(handle);
-    const std::size_t left =
-        file.position < file.bytes.size() ? file.bytes.size() - file.position : 0;
-    const std::size_t count = std::min(left, static_cast<std::size_t>(size));
-    std::memcpy(buffer, file.bytes.data() + file.position, count);
-    file.position += count;
-    return static_cast<tmsize_t>(count);
+cv::Scalar unknown(int type) {
+    return cv::Scalar::all(type == CV_8UC4 ? 0.0 : std::numeric_limits<double>::quiet_NaN());
 }
 
-tmsize_t write(thandle_t handle, void* buffer, tmsize_t size) {
-    MemoryFile& file = file_of(handle);
-    const std::size_t end = file.position + static_cast<std::size_t>(size);
-    if (file.bytes.size() < end) file.bytes.resize(end);
-    std::memcpy(file.bytes.data() + file.position, buffer, static_cast<std::size_t>(size));
-    file.position = end;
-    return size;
+bool is_empty(const cv::Mat& tile) {
+    if (tile.type() == CV_8UC4)
+        return std::all_of(tile.begin<cv::Vec4b>(), tile.end<cv::Vec4b>(), [](const cv::Vec4b& p) {
+            return p == cv::Vec4b();
+        });
+    return std::all_of(
+        tile.begin<float>(), tile.end<float>(), [](float value) { return value != value; });
 }
 
-toff_t seek(thandle_t handle, toff_t offset, int whence) {
-    MemoryFile& file = file_of(handle);
-    const std::size_t from = whence == SEEK_SET   ? 0
-                             : whence == SEEK_CUR ? file.position
-                                                  : file.bytes.size();
-    file.position = from + offset;
-    return file.position;
+// Returns a tile with its leader and trailer.
+std::string framed(const std::string& tile) {
+    const auto num_bytes = static_cast<std::uint32_t>(tile.size());
+    std::string bytes(reinterpret_cast<const char*>(&num_bytes), kLeaderBytes);
+    bytes += tile;
+    return bytes.append(tile, tile.size() - kTrailerBytes);
 }
 
-int close(thandle_t) { return 0; }
-toff_t size(thandle_t handle) { return file_of(handle).bytes.size(); }
-int map(thandle_t, void**, toff_t*) { return 0; }
-void unmap(thandle_t, void*, toff_t) {}
-
-struct Close {
-    void operator()(TIFF* tiff) const { XTIFFClose(tiff); }
-    void operator()(GTIF* keys) const { GTIFFree(keys); }
-};
-
-void set_layout(TIFF* tiff, const cv::Mat& raster) {
-    const bool is_color = raster.type() == CV_8UC4;
-    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, static_cast<std::uint32_t>(raster.cols));
-    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, static_cast<std::uint32_t>(raster.rows));
-    TIFFSetField(tiff, TIFFTAG_TILEWIDTH, static_cast<std::uint32_t>(kTile_px));
-    TIFFSetField(tiff, TIFFTAG_TILELENGTH, static_cast<std::uint32_t>(kTile_px));
-    TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_ADOBE_DEFLATE);
-    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG);
-    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, is_color ? 4 : 1);
-    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, is_color ? 8 : 32);
-    TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, is_color ? SAMPLEFORMAT_UINT : SAMPLEFORMAT_IEEEFP);
-    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, is_color ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
-    TIFFSetField(
-        tiff, TIFFTAG_PREDICTOR, is_color ? PREDICTOR_HORIZONTAL : PREDICTOR_FLOATINGPOINT);
-    if (is_color) {
-        std::uint16_t alpha = EXTRASAMPLE_UNASSALPHA;
-        TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &alpha);
-        return;
-    }
-    static const TIFFFieldInfo kNoData[] = {
-        {kGdalNoData, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, const_cast<char*>("GDALNoData")}};
-    TIFFMergeFieldInfo(tiff, kNoData, 1);
-    TIFFSetField(tiff, kGdalNoData, "nan");
-}
-
-void set_frame(TIFF* tiff, const RasterFrame& frame) {
-    const auto& A = frame.A;
-    // clang-format off
-    std::array<double, 16> matrix = {A(0, 0), A(0, 1), 0, A(0, 2),
-                                     A(1, 0), A(1, 1), 0, A(1, 2),
-                                     0,       0,       0, 0,
-                                     0,       0,       0, 1};
-    // clang-format on
-    TIFFSetField(tiff, TIFFTAG_GEOTRANSMATRIX, static_cast<int>(matrix.size()), matrix.data());
-    const std::unique_ptr<GTIF, Close> keys(GTIFNew(tiff));
-    if (!keys) throw Error(ErrorCode::OutOfMemory, "there is no memory for the keys of a GeoTIFF");
-    GTIFKeySet(keys.get(), GTModelTypeGeoKey, TYPE_SHORT, 1, ModelTypeProjected);
-    GTIFKeySet(keys.get(), GTRasterTypeGeoKey, TYPE_SHORT, 1, RasterPixelIsArea);
-    GTIFKeySet(keys.get(), ProjectedCSTypeGeoKey, TYPE_SHORT, 1, frame.epsg);
-    GTIFKeySet(keys.get(), GTCitationGeoKey, TYPE_ASCII, 0, frame.citation.c_str());
-    GTIFWriteKeys(keys.get());
-}
-
-// Returns the tile at (column, row); outside the raster it is filled with the no-data value 0.
-cv::Mat tile_at(const cv::Mat& raster, int column, int row) {
-    cv::Mat tile(kTile_px, kTile_px, raster.type(), cv::Scalar::all(0));
-    const cv::Rect inside(column,
-                          row,
-                          std::min(kTile_px, raster.cols - column),
-                          std::min(kTile_px, raster.rows - row));
-    const cv::Mat target = tile(cv::Rect({0, 0}, inside.size()));
-    if (raster.type() == CV_8UC4)
-        cv::cvtColor(raster(inside), target, cv::COLOR_BGRA2RGBA);
-    else
-        raster(inside).copyTo(target);
-    return tile;
+std::string header(TiffVariant variant) {
+    using namespace std::string_literals;
+    // Little-endian, then the offset of the first directory, which follows the layout.
+    std::string bytes = variant == TiffVariant::Big ? "II\x2b\0\x08\0\0\0"s : "II\x2a\0"s;
+    char layout_size[64];
+    std::snprintf(layout_size,
+                  sizeof layout_size,
+                  "GDAL_STRUCTURAL_METADATA_SIZE=%06zu bytes\n",
+                  kLayout.size());
+    const std::string layout = layout_size + std::string(kLayout);
+    std::uint64_t first = layout.size() + (variant == TiffVariant::Big ? 16 : 8);
+    first += first % 2;
+    bytes.append(reinterpret_cast<const char*>(&first), variant == TiffVariant::Big ? 8 : 4);
+    bytes += layout;
+    bytes.resize(first, '\0');
+    return bytes;
 }
 
 }  // namespace
 
-void write_geotiff(const std::filesystem::path& file,
-                   const cv::Mat& raster,
-                   const RasterFrame& frame) {
-    if (raster.type() != CV_8UC4 && raster.type() != CV_32FC1)
+GeotiffWriter::GeotiffWriter(const std::filesystem::path& file,
+                             const cv::Size& size,
+                             int type,
+                             const RasterFrame& frame,
+                             int num_threads)
+    : file_(file),
+      type_(type),
+      frame_(frame),
+      num_threads_(num_threads),
+      scratch_(file.has_parent_path() ? file.parent_path() : ".") {
+    if (type != CV_8UC4 && type != CV_32FC1)
         throw Error(ErrorCode::InvalidArgument, "a GeoTIFF needs a BGRA image or heights");
-    MemoryFile memory;
-    const std::unique_ptr<TIFF, Close> tiff(XTIFFClientOpen(
-        file.filename().c_str(), "w", &memory, read, write, seek, close, size, map, unmap));
-    if (!tiff) throw Error(ErrorCode::OutOfMemory, "there is no memory for " + file.string());
-    set_layout(tiff.get(), raster);
-    set_frame(tiff.get(), frame);
-    for (int row = 0; row < raster.rows; row += kTile_px)
-        for (int column = 0; column < raster.cols; column += kTile_px) {
-            cv::Mat tile = tile_at(raster, column, row);
-            if (TIFFWriteTile(tiff.get(),
-                              tile.data,
-                              static_cast<std::uint32_t>(column),
-                              static_cast<std::uint32_t>(row),
-                              0,
-                              0) < 0)
-                throw Error(ErrorCode::OutOfMemory, "cannot pack " + file.string());
-        }
-    if (TIFFFlush(tiff.get()) == 0)
-        throw Error(ErrorCode::OutOfMemory, "cannot pack " + file.string());
-    base::write_file(file, memory.bytes);
+    empty_tile_ = packed_tile(cv::Mat(kTile_px, kTile_px, type, unknown(type)));
+    cv::Size of_level = size;
+    levels_.push_back({.size = of_level});
+    while (std::max(of_level.width, of_level.height) > kTile_px) {
+        of_level = {(of_level.width + 1) / 2, (of_level.height + 1) / 2};
+        levels_.push_back({.size = of_level});
+    }
+    for (Level& level : levels_)
+        level.rows = cv::Mat(kTile_px, num_tiles(level.size.width) * kTile_px, type, unknown(type));
+}
+
+void GeotiffWriter::append(const cv::Mat& rows) { append_to(0, rows); }
+
+void GeotiffWriter::append_to(std::size_t index, const cv::Mat& rows) {
+    Level& level = levels_[index];
+    for (int row = 0; row < rows.rows;) {
+        const int count = std::min(rows.rows - row, kTile_px - level.num_rows);
+        const cv::Rect target(0, level.num_rows, rows.cols, count);
+        rows.rowRange(row, row + count).copyTo(level.rows(target));
+        row += count;
+        level.num_rows += count;
+        const bool is_last = level.num_finished_rows + level.num_rows == level.size.height;
+        if (level.num_rows == kTile_px || is_last) finish_tiles(index);
+    }
+}
+
+void GeotiffWriter::finish_tiles(std::size_t index) {
+    Level& level = levels_[index];
+    level.rows.rowRange(level.num_rows, kTile_px).setTo(unknown(type_));
+    for (const std::string& tile : packed_tiles(level.rows)) {
+        const std::string stored = framed(tile);
+        level.tiles.push_back({scratch_bytes_, static_cast<std::uint32_t>(stored.size())});
+        scratch_.append(stored);
+        scratch_bytes_ += stored.size();
+    }
+    if (index + 1 < levels_.size())
+        append_to(index + 1,
+                  half_size(level.rows(cv::Rect(0, 0, level.size.width, level.num_rows))));
+    level.num_finished_rows += level.num_rows;
+    level.num_rows = 0;
+}
+
+std::vector<std::string> GeotiffWriter::packed_tiles(const cv::Mat& rows) const {
+    std::vector<std::string> tiles(static_cast<std::size_t>(rows.cols / kTile_px));
+    base::for_each_index(num_threads_, tiles.size(), [&](std::size_t i) {
+        const int column = static_cast<int>(i) * kTile_px;
+        const cv::Mat tile = rows.colRange(column, column + kTile_px);
+        tiles[i] = is_empty(tile) ? empty_tile_ : packed_tile(tile);
+    });
+    return tiles;
+}
+
+TiffDirectory GeotiffWriter::directory(std::size_t index,
+                                       std::uint64_t first_tile,
+                                       TiffVariant variant) const {
+    TiffDirectory directory;
+    set_raster_tags(directory, levels_[index].size, type_, kTile_px);
+    if (index == 0)
+        set_frame_tags(directory, frame_);
+    else
+        directory.set_longs(TIFFTAG_SUBFILETYPE, {FILETYPE_REDUCEDIMAGE});
+    std::vector<std::uint64_t> offsets;
+    std::vector<std::uint32_t> sizes;
+    for (const StoredTile& tile : levels_[index].tiles) {
+        offsets.push_back(first_tile + kLeaderBytes);
+        sizes.push_back(tile.num_bytes - static_cast<std::uint32_t>(kLeaderBytes + kTrailerBytes));
+        first_tile += tile.num_bytes;
+    }
+    directory.set_offsets(TIFFTAG_TILEOFFSETS, offsets, variant);
+    directory.set_longs(TIFFTAG_TILEBYTECOUNTS, sizes);
+    return directory;
+}
+
+// Returns what lies before the tiles.
+std::string GeotiffWriter::head(TiffVariant variant) const {
+    std::string bytes = header(variant);
+    std::uint64_t place = bytes.size();
+    for (std::size_t i = 0; i < levels_.size(); ++i)
+        place += directory(i, 0, variant).num_bytes(variant);
+    std::vector<std::uint64_t> first_tiles(levels_.size());
+    for (std::size_t i = levels_.size(); i-- > 0;) {
+        first_tiles[i] = place;
+        for (const StoredTile& tile : levels_[i].tiles) place += tile.num_bytes;
+    }
+    for (std::size_t i = 0; i < levels_.size(); ++i) {
+        const TiffDirectory described = directory(i, first_tiles[i], variant);
+        const std::uint64_t end = bytes.size() + described.num_bytes(variant);
+        bytes += described.bytes(variant, bytes.size(), i + 1 < levels_.size() ? end : 0);
+    }
+    return bytes;
+}
+
+void GeotiffWriter::commit() {
+    std::string before_tiles = head(TiffVariant::Classic);
+    if (before_tiles.size() + scratch_bytes_ > kMaxClassicBytes)
+        before_tiles = head(TiffVariant::Big);
+    base::AtomicFile output(file_);
+    output.write(before_tiles);
+    for (std::size_t i = levels_.size(); i-- > 0;)
+        for (const StoredTile& tile : levels_[i].tiles)
+            output.write(scratch_.read(tile.scratch_offset, tile.num_bytes));
+    output.commit();
 }
 
 }  // namespace divemesh::io

@@ -32,9 +32,12 @@ constexpr std::string_view kFiles[] = {
     "cloud.ply",
     "mosaic.png",
     "mosaic.pgw",
-    "mosaic_height.png",
-    "mosaic_height.pgw",
     "mosaic.json",
+    "mosaic.tif",
+    "mosaic.tfw",
+    "heights.tif",
+    "heights.tfw",
+    "heights_sigma.tif",
     "trajectory.tum",
     "trajectory_causal.tum",
     "trajectory_predicted.tum",
@@ -44,8 +47,6 @@ constexpr std::string_view kFiles[] = {
     "trajectory_kitti.txt",
     "trajectory_euroc.csv",
     "mesh_obj.zip",
-    "mosaic.tif",
-    "mosaic_height.tif",
     "surface.las",
     "colmap/certificate.json",
     "colmap/sparse/0/cameras.bin",
@@ -62,6 +63,10 @@ constexpr std::string_view kFiles[] = {
     "accuracy/report.csv",
     "accuracy/report.html",
     "accuracy/junit.xml",
+    // of older versions
+    "mosaic_height.png",
+    "mosaic_height.pgw",
+    "mosaic_height.tif",
 };
 
 // The folders with images of the keyframes, and all folders of a result, the inner ones first.

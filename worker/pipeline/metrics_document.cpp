@@ -312,13 +312,15 @@ json speed(const MetricsInput& input) {
 }
 
 json texture(const TextureMetrics& metrics) {
-    return {{"num_triangles", metrics.num_triangles},
-            {"error_rms_m", metrics.simplification.rms_m},
-            {"error_max_m", metrics.simplification.max_m},
-            {"num_atlases", metrics.num_atlases},
-            {"textured_share", metrics.textured_share},
-            {"texels_per_pixel", metrics.texels_per_pixel},
-            {"num_lost_images", metrics.num_lost_images}};
+    json result = {{"num_triangles", metrics.num_triangles},
+                   {"error_rms_m", metrics.simplification.rms_m},
+                   {"error_max_m", metrics.simplification.max_m},
+                   {"num_atlases", metrics.num_atlases},
+                   {"textured_share", metrics.textured_share},
+                   {"texels_per_pixel", metrics.texels_per_pixel},
+                   {"num_lost_images", metrics.num_lost_images}};
+    if (metrics.mosaic_pixel_m > 0.0) result["mosaic_pixel_m"] = metrics.mosaic_pixel_m;
+    return result;
 }
 
 json mesh(const MeshMetrics& metrics) {

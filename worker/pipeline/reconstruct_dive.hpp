@@ -37,11 +37,11 @@ struct ReconstructionRequest {
 };
 
 // Reconstructs a dive: opens it, runs the table of stages (reconstruction_stages.hpp), and writes
-// trajectory, cloud, mesh, mosaic, keyframes, metrics.json and report.html; with options.surface
-// false only what follows from the trajectory. Returns the content of metrics.json. If no usable
-// model results, the verdict states it, the findings give the reason, and the results so far are
-// written. Throws Error{BadData} with the first error among the findings on the
-// dive, Error{Cancelled}, Error{OutOfSpace}.
+// trajectory, cloud, mesh, mosaic, heights, keyframes, metrics.json and report.html; with
+// options.surface false only what follows from the trajectory. Returns the content of metrics.json.
+// If no usable model results, the verdict states it, the findings give the reason, and the results
+// so far are written. Throws Error{BadData} with the first error among the findings on the dive,
+// Error{Cancelled}, Error{OutOfSpace}.
 nlohmann::json reconstruct_dive(const ReconstructionRequest& request,
                                 const base::ProgressCallback& progress);
 

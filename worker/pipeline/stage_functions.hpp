@@ -50,8 +50,7 @@ void run_mesh(Reconstruction& made, const base::ProgressCallback& progress);
 void save_mesh(Reconstruction& made, const std::string& key);
 void finish_mesh(Reconstruction& made);
 
-// These show the surface: GLB with vertex colors, keyframe images, mosaic. The stage makes no
-// texture: its name is that of the API.
+// These show the surface: GLB with the photographs, keyframe images, mosaic and heights.
 bool load_texture(Reconstruction& made, const std::string& key);
 void run_texture(Reconstruction& made, const base::ProgressCallback& progress);
 void save_texture(Reconstruction& made, const std::string& key);

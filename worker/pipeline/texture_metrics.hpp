@@ -14,6 +14,7 @@ struct TextureMetrics {
     double textured_share = 0.0;    // of the area; the rest has the colours of the vertices
     double texels_per_pixel = 1.0;  // of the photographs, along a row; below 1: limited by memory
     std::int64_t num_lost_images = 0;  // keyframes whose images could not be read
+    double mosaic_pixel_m = 0.0;       // of mosaic.tif and heights.tif; 0: there are none
 };
 
 }  // namespace divemesh::pipeline

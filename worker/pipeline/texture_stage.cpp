@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <fstream>
 #include <iterator>
 #include <memory>
@@ -6,8 +7,12 @@
 #include "worker/base/part_of.hpp"
 #include "worker/camera/small_left_images.hpp"
 #include "worker/io/glb_writer.hpp"
+#include "worker/io/mosaic_files.hpp"
 #include "worker/keyframes/keyframe_images.hpp"
-#include "worker/mosaic/mosaic.hpp"
+#include "worker/mosaic/mosaic_grid.hpp"
+#include "worker/mosaic/mosaic_renderer.hpp"
+#include "worker/mosaic/texel_size.hpp"
+#include "worker/mosaic/thumbnail.hpp"
 #include "worker/pipeline/display_mesh.hpp"
 #include "worker/pipeline/link_or_copy.hpp"
 #include "worker/pipeline/stage_functions.hpp"
@@ -17,7 +22,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kDisplayed = 0.8;                   // share of the work that is done then
+// Shares of the work that are done: of the whole, and of what kDisplayed covers.
+constexpr double kDisplayed = 0.9;
+constexpr double kTextured = 0.8;
+constexpr int kRows = 256;                           // of the mosaic, rendered at once
 constexpr const char* kThumbnail = "thumbnail.png";  // for report.html, not an artifact
 
 // Returns what reads the images of keyframes. Those of a rolling shutter are moved by their depth,
@@ -37,23 +45,57 @@ keyframes::ReadImage keyframe_images(const Reconstruction& made) {
                int frame_index) { return images->read(frame_index); };
 }
 
-TextureMetrics write_glb(const Reconstruction& made,
-                         const fs::path& file,
-                         const base::ProgressCallback& progress) {
+// Returns the surface as viewers show it: with the photographs, or as it is where there is none.
+DisplayMesh displayed(const Reconstruction& made, const base::ProgressCallback& progress) {
     const types::Mesh& surface = made.surface.mesh;
-    if (!made.options().texture || surface.triangles.empty()) {
-        io::write_glb(file, surface, nullptr, io::GlbCompression::Meshopt);
-        return {.num_triangles = std::ssize(surface.triangles)};
-    }
-    const DisplayMesh shown = make_display_mesh(
+    if (!made.options().texture || surface.triangles.empty())
+        return {surface, {}, {.num_triangles = std::ssize(surface.triangles)}};
+    return make_display_mesh(
         surface,
         made.optimised.rig,
         made.optimised.keyframes,
         [&made](int frame_index) { return made.keyframe_store.left_in_color(frame_index); },
         made.options().num_threads,
         progress);
-    io::write_glb(file, shown.mesh, &shown.texture, io::GlbCompression::Meshopt);
-    return shown.metrics;
+}
+
+// Writes the mosaic and its thumbnail; returns the size of its pixels, m.
+double write_mosaic(const Reconstruction& made,
+                    const DisplayMesh& shown,
+                    const fs::path& folder,
+                    const base::ProgressCallback& progress) {
+    const types::RasterGrid grid =
+        mosaic::mosaic_grid(shown.mesh, mosaic::seen_pixel_m(shown.mesh, shown.texture));
+    const int num_threads = made.options().num_threads;
+    const mosaic::MosaicRenderer renderer(shown.mesh, &shown.texture, grid, num_threads);
+    io::MosaicWriter writer(folder, grid, made.dive.info().position, num_threads);
+    for (int row = 0; row < grid.height_px; row += kRows) {
+        const mosaic::MosaicRows rows = renderer.rows(row, std::min(kRows, grid.height_px - row));
+        writer.append(rows.color, rows.height_m, rows.sigma_m);
+        Progress reached;
+        reached.fraction = static_cast<double>(row) / grid.height_px;
+        progress(reached);
+    }
+    writer.commit();
+    base::write_file(folder / kThumbnail, mosaic::thumbnail_png(writer.preview()));
+    return grid.pixel_m;
+}
+
+// Writes mesh.glb and, with the photographs, the mosaic; returns what is known of them.
+TextureMetrics write_surface(const Reconstruction& made,
+                             const fs::path& folder,
+                             const base::ProgressCallback& progress) {
+    const DisplayMesh shown = displayed(made, base::part_of(progress, 0.0, kTextured));
+    const bool is_textured = !shown.texture.atlas_of_triangle.empty();
+    io::write_glb(folder / "mesh.glb",
+                  shown.mesh,
+                  is_textured ? &shown.texture : nullptr,
+                  io::GlbCompression::Meshopt);
+    TextureMetrics metrics = shown.metrics;
+    if (made.options().texture)
+        metrics.mosaic_pixel_m =
+            write_mosaic(made, shown, folder, base::part_of(progress, kTextured, 1.0));
+    return metrics;
 }
 
 std::string read_text(const fs::path& file) {
@@ -72,17 +114,13 @@ bool load_texture(Reconstruction& made, const std::string& key) {
 void run_texture(Reconstruction& made, const base::ProgressCallback& progress) {
     const fs::path folder = made.scratch("texture");
     fs::create_directories(folder);
-    made.texture = write_glb(made, folder / "mesh.glb", base::part_of(progress, 0.0, kDisplayed));
+    made.texture = write_surface(made, folder, base::part_of(progress, 0.0, kDisplayed));
     keyframes::write_keyframe_images(folder,
                                      made.optimised.rig,
                                      made.optimised.keyframes,
                                      keyframe_images(made),
                                      made.options().num_threads,
                                      base::part_of(progress, kDisplayed, 1.0));
-    if (!made.options().texture) return;
-    const mosaic::Mosaic mosaic = mosaic::render_mosaic(made.surface.mesh);
-    mosaic::write_mosaic(folder, mosaic);
-    base::write_file(folder / kThumbnail, mosaic::thumbnail_png(mosaic));
 }
 
 void save_texture(Reconstruction& made, const std::string& key) {

@@ -11,6 +11,7 @@
 #include "schemas/base64.hpp"
 #include "schemas/error.hpp"
 #include "worker/base/atomic_file.hpp"
+#include "worker/io/raster_reader.hpp"
 #include "worker/report/drawing_page_template.hpp"
 #include "worker/report/html_template.hpp"
 
@@ -19,30 +20,20 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMaxImageSide_px = 4096.0;
-constexpr double kMaxHeightSide_px = 1024.0;
+constexpr int kMaxHeightSide_px = 1024;
 constexpr int kJpegQuality = 88;
 static_assert(std::endian::native == std::endian::little);  // as the page reads heights
 
-cv::Mat read_png(const std::filesystem::path& file, int flags, int type) {
-    cv::Mat image = cv::imread(file.string(), flags);
-    if (image.empty() || image.type() != type)
+cv::Mat read_png(const std::filesystem::path& file) {
+    cv::Mat image = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+    if (image.empty() || image.type() != CV_8UC4)
         throw Error(ErrorCode::BadData,
                     file.string() + " is not the image that divemesh wrote: reconstruct again");
     return image;
 }
 
-cv::Mat no_larger(const cv::Mat& image, double max_image_side_px, int interpolation) {
-    const double factor = max_image_side_px / std::max(image.cols, image.rows);
-    if (factor >= 1.0) return image;
-    cv::Mat smaller;
-    cv::resize(image, smaller, {}, factor, factor, interpolation);
-    return smaller;
-}
-
 std::string image_url(const std::filesystem::path& file) {
-    const cv::Mat mosaic =
-        no_larger(read_png(file, cv::IMREAD_UNCHANGED, CV_8UC4), kMaxImageSide_px, cv::INTER_AREA);
+    const cv::Mat mosaic = read_png(file);
     cv::Mat image;
     cv::cvtColor(mosaic, image, cv::COLOR_BGRA2BGR);
     cv::Mat unseen;
@@ -54,15 +45,43 @@ std::string image_url(const std::filesystem::path& file) {
            encode_base64({reinterpret_cast<const char*>(jpeg.data()), jpeg.size()});
 }
 
-// Takes nodes without averaging, because 0 means that there is no surface.
-json height_grid(const std::filesystem::path& file, const json& elevation, double width_m) {
-    const cv::Mat steps = no_larger(
-        read_png(file, cv::IMREAD_UNCHANGED, CV_16UC1), kMaxHeightSide_px, cv::INTER_NEAREST);
+// Heights as the page reads them: steps above the lowest, starting at 1; 0 where there is no
+// surface.
+struct HeightSteps {
+    cv::Mat steps;  // CV_16U
+    double lowest_m = 0.0;
+    double step_m = 1e-4;
+};
+
+HeightSteps height_steps(const cv::Mat& height_m) {
+    constexpr double kMaxStepCount = 65534.0;
+    HeightSteps heights;
+    double highest_m = 0.0;
+    const cv::Mat is_known = height_m == height_m;  // not NaN
+    if (cv::countNonZero(is_known) > 0)
+        cv::minMaxLoc(height_m, &heights.lowest_m, &highest_m, nullptr, nullptr, is_known);
+    heights.step_m = std::max(heights.step_m, (highest_m - heights.lowest_m) / kMaxStepCount);
+    heights.steps = cv::Mat(height_m.size(), CV_16U, cv::Scalar::all(0));
+    for (int row = 0; row < height_m.rows; ++row)
+        for (int column = 0; column < height_m.cols; ++column) {
+            const auto height = static_cast<double>(height_m.at<float>(row, column));
+            if (std::isnan(height)) continue;
+            heights.steps.at<std::uint16_t>(row, column) = static_cast<std::uint16_t>(
+                1.0 +
+                std::min(kMaxStepCount, std::round((height - heights.lowest_m) / heights.step_m)));
+        }
+    return heights;
+}
+
+json height_grid(const std::filesystem::path& file, double width_m) {
+    io::RasterReader reader(file, kMaxHeightSide_px);
+    const HeightSteps heights = height_steps(reader.rows(0, reader.size().height));
+    const cv::Mat& steps = heights.steps;
     return {{"width", steps.cols},
             {"height", steps.rows},
             {"pixel_m", width_m / steps.cols},
-            {"lowest_m", elevation.at("lowest_m")},
-            {"step_m", elevation.at("step_m")},
+            {"lowest_m", heights.lowest_m},
+            {"step_m", heights.step_m},
             {"base64",
              encode_base64(
                  {reinterpret_cast<const char*>(steps.data), steps.total() * steps.elemSize()})}};
@@ -87,17 +106,14 @@ std::string drawing_page(const io::ReconstructionFolder& model) {
     try {
         const double pixel_m = mosaic.at("pixel_m");
         const int width_px = mosaic.at("width_px");
-        data = {
-            {"title", model.metrics().at("dive").at("name")},
-            {"width_px", width_px},
-            {"height_px", mosaic.at("height_px")},
-            {"pixel_m", pixel_m},
-            {"corner_x_m", mosaic.at("corner_x_m")},
-            {"corner_y_m", mosaic.at("corner_y_m")},
-            {"image", image_url(model.path() / "mosaic.png")},
-            {"heights",
-             height_grid(
-                 model.path() / "mosaic_height.png", mosaic.at("elevation"), pixel_m * width_px)}};
+        data = {{"title", model.metrics().at("dive").at("name")},
+                {"width_px", width_px},
+                {"height_px", mosaic.at("height_px")},
+                {"pixel_m", pixel_m},
+                {"corner_x_m", mosaic.at("corner_x_m")},
+                {"corner_y_m", mosaic.at("corner_y_m")},
+                {"image", image_url(model.path() / "mosaic.png")},
+                {"heights", height_grid(model.path() / "heights.tif", pixel_m * width_px)}};
     } catch (const json::exception& error) {
         throw Error(ErrorCode::BadData,
                     (model.path() / "mosaic.json").string() + ": " + error.what());

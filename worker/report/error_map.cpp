@@ -11,7 +11,9 @@
 #include "worker/base/parallel.hpp"
 #include "worker/evaluation/nearest_camera.hpp"
 #include "worker/evaluation/surface_index.hpp"
-#include "worker/mosaic/mosaic.hpp"
+#include "worker/mosaic/mosaic_grid.hpp"
+#include "worker/mosaic/mosaic_renderer.hpp"
+#include "worker/mosaic/thumbnail.hpp"
 #include "worker/stats/quantile.hpp"
 
 namespace divemesh::report {
@@ -71,7 +73,8 @@ private:
 };
 
 // Returns the distance of each pixel that shows surface within range, m; NaN elsewhere.
-cv::Mat distances_m(const mosaic::Mosaic& image,
+cv::Mat distances_m(const cv::Mat& heights_m,
+                    const types::RasterGrid& grid,
                     const types::Mesh& reference,
                     const evaluation::SurfaceErrorInput& input) {
     const DistanceToReference surface(reference);
@@ -82,15 +85,15 @@ cv::Mat distances_m(const mosaic::Mosaic& image,
     const auto limit_m = input.camera_positions_world.empty()
                              ? std::numeric_limits<float>::infinity()
                              : static_cast<float>(input.max_range_m);
-    cv::Mat distance_m(image.height_m.size(), CV_32F, cv::Scalar(std::nanf("")));
+    cv::Mat distance_m(heights_m.size(), CV_32F, cv::Scalar(std::nanf("")));
     base::for_each_index(
         input.num_threads, static_cast<std::size_t>(distance_m.rows), [&](std::size_t index) {
             const int row = static_cast<int>(index);
             for (int column = 0; column < distance_m.cols; ++column) {
-                const float height_m = image.height_m.at<float>(row, column);
+                const float height_m = heights_m.at<float>(row, column);
                 if (std::isnan(height_m)) continue;
-                const Eigen::Vector3d p_world(image.corner_x_m + (column + 0.5) * image.pixel_m,
-                                              image.corner_y_m - (row + 0.5) * image.pixel_m,
+                const Eigen::Vector3d p_world(grid.corner_x_m + (column + 0.5) * grid.pixel_m,
+                                              grid.corner_y_m - (row + 0.5) * grid.pixel_m,
                                               static_cast<double>(height_m));
                 if (nearest_camera.distance_m(p_world.cast<float>()) > limit_m) continue;
                 distance_m.at<float>(row, column) =
@@ -116,9 +119,11 @@ double scale_end_m(const cv::Mat& distance_m) {
 ErrorMap render_error_map(const types::Mesh& mesh_world,
                           const types::Mesh& reference,
                           const evaluation::SurfaceErrorInput& input) {
-    mosaic::Mosaic image = mosaic::render_mosaic(
-        mesh_world, {.pixel_m = std::max(1e-6, max_side_m(mesh_world) / (kSide_px - 1))});
-    const cv::Mat distance_m = distances_m(image, reference, input);
+    const types::RasterGrid grid =
+        mosaic::mosaic_grid(mesh_world, std::max(1e-6, max_side_m(mesh_world) / (kSide_px - 1)));
+    mosaic::MosaicRows image = mosaic::MosaicRenderer(mesh_world, nullptr, grid, input.num_threads)
+                                   .rows(0, grid.height_px);
+    const cv::Mat distance_m = distances_m(image.height_m, grid, reference, input);
     ErrorMap map;
     map.end_m = scale_end_m(distance_m);
     for (int row = 0; row < distance_m.rows; ++row)
@@ -131,7 +136,7 @@ ErrorMap render_error_map(const types::Mesh& mesh_world,
                                            : color_of(static_cast<double>(distance) / map.end_m);
             pixel = {color[2], color[1], color[0], 255};
         }
-    map.png = mosaic::thumbnail_png(image, kSide_px);
+    map.png = mosaic::thumbnail_png(image.color, kSide_px);
     return map;
 }
 

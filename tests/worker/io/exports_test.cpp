@@ -4,17 +4,16 @@
 #include <archive_entry.h>
 #include <array>
 #include <cmath>
-#include <geotiff/geotiff.h>
-#include <geotiff/geovalues.h>
-#include <geotiff/xtiffio.h>
 #include <map>
 #include <numbers>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
 
 #include "tests/worker/io/exported_folder.hpp"
 #include "worker/io/geographic_frame.hpp"
-#include "worker/io/geotiff_writer.hpp"
+#include "worker/io/mosaic_files.hpp"
 #include "worker/io/obj_writer.hpp"
+#include "worker/io/raster_reader.hpp"
 #include "worker/io/trajectory_file.hpp"
 
 namespace divemesh::io {
@@ -106,53 +105,6 @@ TEST(GeographicFrameTest, APlaceThatUtmDoesNotCoverIsRefused) {
               ErrorCode::InvalidArgument);
 }
 
-struct CloseTiff {
-    void operator()(TIFF* tiff) const { XTIFFClose(tiff); }
-    void operator()(GTIF* keys) const { GTIFFree(keys); }
-};
-
-TEST_F(ExportsTest, AGeoTiffHoldsItsPlace) {
-    cv::Mat heights(300, 700, CV_32F, cv::Scalar::all(-1.5));
-    RasterFrame frame{32617, {}, "a reef"};
-    frame.A << 0.01, 0.001, 630084.0, 0.001, -0.01, 4833438.0;
-
-    write_geotiff(file("heights.tif"), heights, frame);
-
-    const std::unique_ptr<TIFF, CloseTiff> tiff(XTIFFOpen(file("heights.tif").c_str(), "r"));
-    ASSERT_TRUE(tiff);
-    std::uint16_t count = 0;
-    double* matrix = nullptr;
-    ASSERT_EQ(TIFFGetField(tiff.get(), TIFFTAG_GEOTRANSMATRIX, &count, &matrix), 1);
-    ASSERT_EQ(count, 16);
-    const std::array<double, 8> rows = {0.01, 0.001, 0, 630084.0, 0.001, -0.01, 0, 4833438.0};
-    for (std::size_t i = 0; i < rows.size(); ++i) EXPECT_DOUBLE_EQ(matrix[i], rows[i]);
-    const std::unique_ptr<GTIF, CloseTiff> keys(GTIFNew(tiff.get()));
-    std::uint16_t value = 0;
-    GTIFKeyGetSHORT(keys.get(), ProjectedCSTypeGeoKey, &value, 0, 1);
-    EXPECT_EQ(value, 32617);
-    GTIFKeyGetSHORT(keys.get(), GTModelTypeGeoKey, &value, 0, 1);
-    EXPECT_EQ(value, ModelTypeProjected);
-}
-
-TEST_F(ExportsTest, AGeoTiffHoldsItsPixels) {
-    cv::Mat color(270, 300, CV_8UC4, cv::Scalar(10, 20, 30, 255));
-    color.at<cv::Vec4b>(269, 299) = {200, 100, 50, 255};
-    color.at<cv::Vec4b>(0, 299) = {0, 0, 0, 0};
-    cv::Mat heights(270, 300, CV_32F, cv::Scalar::all(0.25));
-    heights.at<float>(3, 299) = std::nanf("");
-
-    write_geotiff(file("color.tif"), color, {32617, {}, ""});
-    write_geotiff(file("heights.tif"), heights, {32617, {}, ""});
-
-    const cv::Mat read = cv::imread(file("color.tif"), cv::IMREAD_UNCHANGED);
-    ASSERT_EQ(read.type(), CV_8UC4);
-    EXPECT_EQ(cv::norm(read, color, cv::NORM_INF), 0.0);
-    const cv::Mat read_heights = cv::imread(file("heights.tif"), cv::IMREAD_UNCHANGED);
-    ASSERT_EQ(read_heights.type(), CV_32F);
-    EXPECT_TRUE(std::isnan(read_heights.at<float>(3, 299)));
-    EXPECT_EQ(read_heights.at<float>(269, 299), 0.25F);
-}
-
 std::map<std::string, std::string> unzipped(const std::filesystem::path& file) {
     std::map<std::string, std::string> files;
     archive* zip = archive_read_new();
@@ -233,6 +185,58 @@ TEST_F(ExportsTest, AGeoTiffWithoutAPositionSaysWhereToWriteOne) {
 
     EXPECT_EQ(error.code(), ErrorCode::InvalidArgument);
     EXPECT_NE(std::string(error.what()).find("dive.json"), std::string::npos);
+}
+
+TEST_F(ExportsTest, AGeoTiffOfAResultWithoutAMosaicSaysHowToMakeOne) {
+    write("metrics.json", "{}");
+
+    const Error error = error_of([&] {
+        export_reconstruction(ReconstructionFolder(file("")),
+                              {ExportFormat::Geotiff},
+                              types::GeographicPosition{45.0, 15.0, 90.0},
+                              file("out"));
+    });
+
+    EXPECT_EQ(error.code(), ErrorCode::NotFound);
+    EXPECT_NE(std::string(error.what()).find("--no-texture"), std::string::npos);
+}
+
+TEST_F(ExportsTest, GeoTiffsKeepTheirPixelsAndGetAPlace) {
+    write("metrics.json", "{}");
+    const types::RasterGrid grid{400, 300, 0.003, 1.0, 2.0};
+    cv::Mat color(300, 400, CV_8UC4, cv::Scalar(1, 2, 3, 255));
+    cv::randu(color.rowRange(100, 200), 0, 255);
+    const cv::Mat heights(300, 400, CV_32F, cv::Scalar::all(-1.5));
+    MosaicWriter writer(file(""), grid, std::nullopt, 1);
+    writer.append(color, heights, heights);
+    writer.commit();
+    const types::GeographicPosition position{45.0, 15.0, 90.0};  // x to the east, y to the north
+
+    const auto names = export_reconstruction(
+        ReconstructionFolder(file("")), {ExportFormat::Geotiff}, position, file("out"));
+
+    EXPECT_EQ(names,
+              (std::vector<std::string>{"mosaic.tif",
+                                        "heights.tif",
+                                        "heights_sigma.tif",
+                                        "mosaic.tfw",
+                                        "heights.tfw",
+                                        "certificate.json"}));
+    for (const char* name : {"mosaic.tif", "heights.tif"}) {
+        RasterReader stored(file(name));
+        RasterReader placed(file(std::string("out/") + name));
+        ASSERT_EQ(placed.size(), cv::Size(grid.width_px, grid.height_px));
+        const cv::Mat truth = stored.rows(0, grid.height_px);
+        const cv::Mat copy = placed.rows(0, grid.height_px);
+        EXPECT_TRUE(std::equal(truth.datastart, truth.dataend, copy.datastart)) << name;
+    }
+    // On the central meridian of zone 33 the origin lies at 500 km east, and lengths are 0.9996.
+    std::istringstream place(FileTest::read(file("out/mosaic.tfw")));
+    std::array<double, 6> values{};
+    for (double& value : values) place >> value;
+    EXPECT_NEAR(values[0], 0.9996 * 0.003, 1e-12);
+    EXPECT_NEAR(values[3], -0.9996 * 0.003, 1e-12);
+    EXPECT_NEAR(values[4], 500'000.0 + 0.9996 * (grid.corner_x_m + 0.0015), 1e-5);
 }
 
 class ExportsOfAFolderTest : public ExportedFolderTest {

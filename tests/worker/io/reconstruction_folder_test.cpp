@@ -154,6 +154,7 @@ TEST_F(ReconstructionFolderTest, RemovesItsFilesAndKeepsAllOthers) {
     for (const char* name : {"metrics.json",
                              "mesh.ply",
                              "mosaic_height.tif",
+                             "heights.tif",
                              "keyframes/000012.jpg",
                              "keyframes/1234567.jpg",
                              "accuracy/report.json"})

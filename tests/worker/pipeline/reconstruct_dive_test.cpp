@@ -196,6 +196,7 @@ TEST_F(ReconstructDiveTest, ADiveThatIsRefusedTellsItsFindingsFirst) {
 TEST_F(ReconstructDiveTest, ARefusedDiveLeavesNothingOfAnEarlierResultButWhatItsUserKeeps) {
     reconstruct("model", {{"voxel_m", 0.02}, {"exports", "kitti,euroc,obj,colmap,nerfstudio,las"}});
     ASSERT_TRUE(fs::exists(folder_ / "model/mosaic.pgw"));
+    ASSERT_TRUE(fs::exists(folder_ / "model/heights_sigma.tif"));
     std::ofstream(folder_ / "model/notes.txt") << "kept";
     fs::remove(folder_ / "dive/mav0/cam1/sensor.yaml");
     EXPECT_THROW(

@@ -4,36 +4,34 @@
 
 #include <cstring>
 #include <fstream>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 #include "schemas/base64.hpp"
 #include "schemas/error.hpp"
 #include "tests/temporary_folder.hpp"
-#include "worker/mosaic/mosaic.hpp"
+#include "worker/io/mosaic_files.hpp"
 
 namespace divemesh::report {
 namespace {
-
-// Returns 40 x 20 pixels of 0.1 m from (1, 3): a floor at -2 m, its north-west quarter at -1.5 m,
-// no data in the south-east.
-mosaic::Mosaic stepped_floor() {
-    mosaic::Mosaic mosaic;
-    mosaic.color = cv::Mat(20, 40, CV_8UC4, cv::Scalar(200, 0, 0, 255));
-    mosaic.height_m = cv::Mat(20, 40, CV_32F, cv::Scalar(-2.0));
-    mosaic.height_m(cv::Rect(0, 0, 20, 10)) = -1.5;
-    mosaic.height_m(cv::Rect(20, 10, 20, 10)) = std::numeric_limits<float>::quiet_NaN();
-    mosaic.color(cv::Rect(20, 10, 20, 10)) = cv::Scalar(0, 0, 0, 0);
-    mosaic.pixel_m = 0.1;
-    mosaic.corner_x_m = 1.0;
-    mosaic.corner_y_m = 3.0;
-    return mosaic;
-}
 
 class DrawingPageTest : public testing::Test {
 protected:
     DrawingPageTest() {
         std::ofstream(folder_ / "metrics.json")
             << nlohmann::json{{"dive", {{"name", "</script><b>reef"}}}};
+    }
+    // Writes 40 x 20 pixels of 0.1 m from (1, 3): a floor at -2 m, its north-west quarter at -1.5
+    // m, no data in the south-east.
+    void write_mosaic() const {
+        cv::Mat color(20, 40, CV_8UC4, cv::Scalar(200, 0, 0, 255));
+        color(cv::Rect(20, 10, 20, 10)) = cv::Scalar::all(0);
+        cv::Mat height_m(20, 40, CV_32F, cv::Scalar::all(-2.0));
+        height_m(cv::Rect(0, 0, 20, 10)) = -1.5;
+        height_m(cv::Rect(20, 10, 20, 10)) = std::numeric_limits<float>::quiet_NaN();
+        io::MosaicWriter writer(folder_.path(), {40, 20, 0.1, 1.0, 3.0}, std::nullopt, 1);
+        writer.append(color, height_m, height_m);
+        writer.commit();
     }
     nlohmann::json data() const {
         const std::string page = drawing_page(io::ReconstructionFolder(folder_.path()));
@@ -46,7 +44,7 @@ protected:
 };
 
 TEST_F(DrawingPageTest, HoldsWhereTheImageIsAndHowHighTheSurface) {
-    mosaic::write_mosaic(folder_.path(), stepped_floor());
+    write_mosaic();
     const nlohmann::json data = this->data();
     EXPECT_EQ(data["title"], "</script><b>reef");
     EXPECT_EQ(data["corner_x_m"], 1.0);
@@ -81,9 +79,9 @@ TEST_F(DrawingPageTest, SaysWhatIsMissingWithoutAMosaic) {
     }
 }
 
-TEST_F(DrawingPageTest, RefusesAnImageThatIsNone) {
-    mosaic::write_mosaic(folder_.path(), stepped_floor());
-    std::ofstream(folder_ / "mosaic_height.png") << "no image";
+TEST_F(DrawingPageTest, RefusesHeightsThatAreNone) {
+    write_mosaic();
+    std::ofstream(folder_ / "heights.tif") << "no raster";
     EXPECT_THROW(drawing_page(io::ReconstructionFolder(folder_.path())), Error);
 }
 
