@@ -14,7 +14,7 @@ namespace divemesh::io {
 // Files for other programs, made from a reconstruction:
 //   kitti    trajectory_kitti.txt   final poses, 3 x 4, a row per frame
 //   euroc    trajectory_euroc.csv   the same with timestamps, EuRoC's columns
-//   obj      mesh_obj.zip           Wavefront OBJ and MTL
+//   obj      mesh_obj.zip           mesh.glb, or mesh.ply if that has no texture, as OBJ
 //   geotiff  mosaic.tif, mosaic_height.tif   in UTM; needs a position
 //   colmap   colmap/images, colmap/sparse/0  keyframes and up to 100,000 points as a sparse model
 //   nerfstudio   nerfstudio/                 the same as transforms.json and points.ply
