@@ -95,6 +95,7 @@ constexpr Row kRows[] = {
     {"measurement_incomplete",      ""},
     {"position_unusable",           ""},
     {"truth_set_aside",             ""},
+    {"texture_incomplete",          ""},
 };
 // clang-format on
 

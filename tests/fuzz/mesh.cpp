@@ -9,7 +9,12 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     divemesh::fuzz::Input input(data, size);
     const auto bytes = input.rest();
-    for (const auto parse : {divemesh::io::parse_obj, divemesh::io::parse_glb}) {
+    const auto parse_textured = [](std::string_view text, const std::string& name) {
+        return divemesh::io::parse_textured_glb(text, name).mesh;
+    };
+    using Parse = divemesh::types::Mesh (*)(std::string_view, const std::string&);
+    for (const Parse parse :
+         {Parse(divemesh::io::parse_obj), Parse(divemesh::io::parse_glb), Parse(parse_textured)}) {
         try {
             const divemesh::types::Mesh mesh = parse(bytes, "mesh");
             if (mesh.vertices.size() > bytes.size()) std::abort();

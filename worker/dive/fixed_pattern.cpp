@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/camera/gradient_magnitude.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::dive {
@@ -51,16 +52,6 @@ cv::Mat black_surroundings(const cv::Mat& mean, const cv::Mat& is_still) {
     return surroundings;
 }
 
-cv::Mat slope_of(const cv::Mat& image) {
-    cv::Mat x;
-    cv::Mat y;
-    cv::Sobel(image, x, CV_32F, 1, 0, 3, 0.125);
-    cv::Sobel(image, y, CV_32F, 0, 1, 3, 0.125);
-    cv::Mat slope;
-    cv::magnitude(x, y, slope);
-    return slope;
-}
-
 // Returns 1 where a mask is 255, CV_32F.
 cv::Mat share_of(const cv::Mat& mask) {
     cv::Mat share;
@@ -106,9 +97,10 @@ bool FixedPattern::most_edges_stay() const {
         cv::Mat difference;
         cv::absdiff(image, median, difference);
         time_near += share_of(difference < kNearMedian) * per_image;
-        edges += share_of(slope_of(image) > kEdge) * per_image;
+        edges += share_of(camera::gradient_magnitude(image) > kEdge) * per_image;
     }
-    const cv::Mat staying = share_of((slope_of(median) > kEdge) & (time_near >= kMinTimeSeen));
+    const cv::Mat staying =
+        share_of((camera::gradient_magnitude(median) > kEdge) & (time_near >= kMinTimeSeen));
     cv::Mat of_cells;
     cv::Mat staying_of_cells;
     cv::resize(edges, of_cells, kCells, 0.0, 0.0, cv::INTER_AREA);
@@ -134,7 +126,7 @@ FixedPattern::Masks FixedPattern::masks() const {
     if (cv::countNonZero(is_still & is_inside) > kMaxStillShare * cv::countNonZero(is_inside))
         return {};
     if (most_edges_stay()) return {};
-    const cv::Mat is_fixed = is_still & (slope_of(mean) > kEdge);
+    const cv::Mat is_fixed = is_still & (camera::gradient_magnitude(mean) > kEdge);
     // Between black and the scene; letters on black have black on both sides.
     const cv::Mat is_border =
         is_fixed & dilated(surroundings, kBlur_px) & dilated(~is_still, kBlur_px);

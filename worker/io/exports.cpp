@@ -8,6 +8,7 @@
 #include "worker/io/certificate.hpp"
 #include "worker/io/colmap_writer.hpp"
 #include "worker/io/las_writer.hpp"
+#include "worker/io/mesh_reader.hpp"
 #include "worker/io/mosaic_files.hpp"
 #include "worker/io/nerfstudio_writer.hpp"
 #include "worker/io/obj_writer.hpp"
@@ -93,6 +94,22 @@ std::vector<std::string> export_posed_images(const ReconstructionFolder& reconst
     return {folder.filename().string()};
 }
 
+// Writes the textured mesh of mesh.glb, or mesh.ply if that has no texture.
+std::vector<std::string> export_obj(const ReconstructionFolder& reconstruction,
+                                    const std::string& remark,
+                                    const std::filesystem::path& out) {
+    const std::filesystem::path glb = reconstruction.path() / "mesh.glb";
+    const TexturedMesh shown =
+        std::filesystem::exists(glb) ? read_textured_glb(glb) : TexturedMesh{};
+    if (!shown.texture.jpegs.empty()) {
+        write_obj_zip(out / "mesh_obj.zip", shown.mesh, &shown.texture, remark);
+    } else {
+        require_surface(reconstruction, "mesh.ply");
+        write_obj_zip(out / "mesh_obj.zip", reconstruction.mesh(), nullptr, remark);
+    }
+    return {"mesh_obj.zip"};
+}
+
 std::vector<std::string> export_las(const ReconstructionFolder& reconstruction,
                                     const std::optional<types::GeographicPosition>& position,
                                     const nlohmann::json& certificate,
@@ -122,12 +139,7 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
             write_euroc(out / "trajectory_euroc.csv", reconstruction.trajectory());
             return {"trajectory_euroc.csv"};
         case ExportFormat::Obj:
-            require_surface(reconstruction, "mesh.ply");
-            write_obj_zip(out / "mesh_obj.zip",
-                          reconstruction.mesh(),
-                          nullptr,
-                          certificate_line(certificate));
-            return {"mesh_obj.zip"};
+            return export_obj(reconstruction, certificate_line(certificate), out);
         case ExportFormat::Geotiff: return export_geotiff(reconstruction, position, out);
         case ExportFormat::Colmap:
             return export_posed_images(

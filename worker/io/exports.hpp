@@ -14,12 +14,11 @@ namespace divemesh::io {
 // Files for other programs, made from a reconstruction:
 //   kitti    trajectory_kitti.txt   final poses, 3 x 4, a row per frame
 //   euroc    trajectory_euroc.csv   the same with timestamps, EuRoC's columns
-//   obj      mesh_obj.zip           Wavefront OBJ and MTL
-//   geotiff  mosaic.tif, heights.tif, heights_sigma.tif   in UTM, with world files; needs a
-//   position colmap   colmap/images, colmap/sparse/0  keyframes and up to 100,000 points as a
-//   sparse model nerfstudio   nerfstudio/                 the same as transforms.json and
-//   points.ply las      surface.las   vertices with sigma and number of observations; in UTM with a
-//   position
+//   obj      mesh_obj.zip           mesh.glb, or mesh.ply if that has no texture, as OBJ
+//   geotiff  mosaic.tif, heights.tif, heights_sigma.tif   in UTM; needs a position
+//   colmap   colmap/images, colmap/sparse/0  keyframes and up to 100,000 points as a sparse model
+//   nerfstudio   nerfstudio/                 the same as transforms.json and points.ply
+//   las      surface.las   vertices with sigma and number of observations; in UTM with a position
 enum class ExportFormat { Kitti, Euroc, Obj, Geotiff, Colmap, Nerfstudio, Las };
 
 // Parses format names separated by commas. Throws Error{InvalidArgument} that lists the valid ones.

@@ -43,6 +43,7 @@ public:
     AccessorValues values_of(std::int64_t accessor_index,
                              std::string_view type,
                              std::size_t num_components);
+    std::string_view bytes_of_view(std::int64_t index) { return view_of(index).bytes; }
 
 private:
     struct View {

@@ -13,10 +13,12 @@
 #include <vector>
 
 #include "schemas/error.hpp"
+#include "worker/io/glb_appearance.hpp"
 #include "worker/io/glb_buffers.hpp"
 #include "worker/io/gltf.hpp"
 #include "worker/io/mesh_reader.hpp"
 #include "worker/io/ply.hpp"
+#include "worker/io/weld_vertices.hpp"
 
 namespace divemesh::io {
 namespace {
@@ -38,7 +40,22 @@ class GlbReader {
 public:
     explicit GlbReader(const std::string& name) : name_(name) {}
 
-    types::Mesh read(std::string_view bytes) try {
+    types::Mesh read(std::string_view bytes) {
+        read_geometry(bytes);
+        return std::move(mesh_);
+    }
+
+    TexturedMesh read_textured(std::string_view bytes) try {
+        read_geometry(bytes);
+        TexturedMesh textured{std::move(mesh_), {}};
+        add_appearance(document_, *buffers_, primitives_, name_, textured);
+        return textured;
+    } catch (const json::exception&) {
+        fail("its JSON is not glTF 2.0");
+    }
+
+private:
+    void read_geometry(std::string_view bytes) try {
         split(bytes);
         const json& scene = glb_entry(document_, "scenes", document_.value("scene", 0), name_);
         const Eigen::Affine3d z_up(Eigen::AngleAxisd(std::acos(0.0), Eigen::Vector3d::UnitX()));
@@ -46,12 +63,10 @@ public:
         for (const json& node : scene.value("nodes", json::array()))
             add_node(node.get<int>(), z_up, 0);
         if (mesh_.vertices.empty()) fail("its scene has no positions");
-        return std::move(mesh_);
     } catch (const json::exception&) {
         fail("its JSON is not glTF 2.0");
     }
 
-private:
     [[noreturn]] void fail(const std::string& what) const { fail_glb(name_, what); }
 
     // Header, JSON chunk, binary chunk (glTF 2.0, section 4.4).
@@ -103,6 +118,7 @@ private:
             const int mode = primitive.value("mode", kGltfTriangles);
             if (mode != kGltfTriangles && mode != kPoints) continue;
             const auto first = mesh_.vertices.size();
+            const auto first_triangle = mesh_.triangles.size();
             const AccessorValues positions = buffers_->values_of(
                 primitive.at("attributes").at("POSITION").get<int>(), "VEC3", 3);
             if (positions.count > max_entries() - first) fail("it shows its meshes too often");
@@ -115,6 +131,12 @@ private:
                 mesh_.vertices.push_back(p);
             }
             if (mode == kGltfTriangles) add_triangles(primitive, first, positions.count);
+            primitives_.push_back({&primitive,
+                                   T_scene_node.linear(),
+                                   first,
+                                   positions.count,
+                                   first_triangle,
+                                   mesh_.triangles.size() - first_triangle});
         }
     }
 
@@ -155,7 +177,18 @@ private:
     std::optional<GlbBuffers> buffers_;
     std::vector<bool> visited_;  // nodes
     types::Mesh mesh_;
+    std::vector<GlbPrimitive> primitives_;
 };
+
+std::string read_bytes(const std::filesystem::path& file) {
+    constexpr std::uintmax_t kMax_bytes = std::uintmax_t{4} << 30;
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream)
+        throw Error(ErrorCode::NotFound, "cannot open " + file.string() + ": check the path");
+    if (std::filesystem::file_size(file) > kMax_bytes)
+        throw Error(ErrorCode::TooLarge, file.string() + " is larger than 4 GiB: simplify it");
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 }  // namespace
 
@@ -163,14 +196,18 @@ types::Mesh parse_glb(std::string_view bytes, const std::string& name) {
     return GlbReader(name).read(bytes);
 }
 
+TexturedMesh parse_textured_glb(std::string_view bytes, const std::string& name) {
+    TexturedMesh textured = GlbReader(name).read_textured(bytes);
+    weld_vertices(textured.mesh);
+    return textured;
+}
+
+TexturedMesh read_textured_glb(const std::filesystem::path& file) {
+    return parse_textured_glb(read_bytes(file), file.filename().string());
+}
+
 types::Mesh read_mesh(const std::filesystem::path& file) {
-    constexpr std::uintmax_t kMax_bytes = std::uintmax_t{4} << 30;
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream)
-        throw Error(ErrorCode::NotFound, "cannot open " + file.string() + ": check the path");
-    if (std::filesystem::file_size(file) > kMax_bytes)
-        throw Error(ErrorCode::TooLarge, file.string() + " is larger than 4 GiB: simplify it");
-    const std::string bytes{std::istreambuf_iterator<char>(stream), {}};
+    const std::string bytes = read_bytes(file);
     const std::string name = file.filename().string();
     if (bytes.starts_with("ply")) return parse_ply(bytes, name);
     if (bytes.starts_with("glTF")) return parse_glb(bytes, name);

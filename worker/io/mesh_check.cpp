@@ -55,26 +55,32 @@ void check_mesh(const types::Mesh& mesh) {
                         "the mesh has a triangle with a vertex that does not exist");
 }
 
-void check_texture(const types::Mesh& mesh, const types::Texture& texture) {
+void check_texture_map(const types::Mesh& mesh,
+                       const types::TextureMap& texture,
+                       std::size_t num_atlases) {
     const std::size_t num_triangles = mesh.triangles.size();
     if (texture.atlas_of_triangle.size() != num_triangles || texture.uv.size() != num_triangles)
         throw Error(ErrorCode::InvalidArgument, "the texture is of a mesh with other triangles");
-    for (const cv::Mat& atlas : texture.atlases)
-        if (atlas.empty() || atlas.type() != CV_8UC3 || atlas.cols > kMaxAtlas_px ||
-            atlas.rows > kMaxAtlas_px)
-            throw Error(ErrorCode::InvalidArgument,
-                        "the texture has an atlas that is not a BGR image of 1 to 8192 px a side");
     const auto is_inside = [](const Eigen::Vector2f& uv) {
         return (uv.array() >= 0.0F).all() && (uv.array() <= 1.0F).all();
     };
     for (std::size_t i = 0; i < num_triangles; ++i) {
         const std::int32_t atlas = texture.atlas_of_triangle[i];
-        if (atlas == types::Texture::kUntextured) continue;
-        if (atlas < 0 || atlas >= std::ssize(texture.atlases) ||
+        if (atlas == types::TextureMap::kUntextured) continue;
+        if (atlas < 0 || atlas >= static_cast<std::int64_t>(num_atlases) ||
             !std::all_of(texture.uv[i].begin(), texture.uv[i].end(), is_inside))
             throw Error(ErrorCode::InvalidArgument,
                         "the texture has a triangle outside of its atlases");
     }
+}
+
+void check_texture(const types::Mesh& mesh, const types::Texture& texture) {
+    for (const cv::Mat& atlas : texture.atlases)
+        if (atlas.empty() || atlas.type() != CV_8UC3 || atlas.cols > kMaxAtlas_px ||
+            atlas.rows > kMaxAtlas_px)
+            throw Error(ErrorCode::InvalidArgument,
+                        "the texture has an atlas that is not a BGR image of 1 to 8192 px a side");
+    check_texture_map(mesh, texture, texture.atlases.size());
 }
 
 std::vector<Eigen::Vector3f> unit_normals(const types::Mesh& mesh) {

@@ -13,7 +13,12 @@ namespace divemesh::io {
 void check_mesh(const types::Mesh& mesh);
 
 // Throws Error{InvalidArgument} if the texture is not one of the mesh: other triangles, atlases
-// that do not exist or are not BGR images of 1 to 8192 px, coordinates outside of their atlas.
+// that do not exist, coordinates outside of their atlas.
+void check_texture_map(const types::Mesh& mesh,
+                       const types::TextureMap& texture,
+                       std::size_t num_atlases);
+
+// Does the same, and throws too if an atlas is not a BGR image of 1 to 8192 px.
 void check_texture(const types::Mesh& mesh, const types::Texture& texture);
 
 // Returns the mesh's normals at unit length. A missing or degenerate normal is replaced by the

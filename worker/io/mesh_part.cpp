@@ -33,13 +33,13 @@ private:
 
 }  // namespace
 
-MeshPart mesh_part(const types::Mesh& mesh, const types::Texture* texture, std::int32_t atlas) {
+MeshPart mesh_part(const types::Mesh& mesh, const types::TextureMap* texture, std::int32_t atlas) {
     MeshPart part;
     PartVertices vertices(mesh.vertices.size(), part);
-    const bool is_textured = atlas != types::Texture::kUntextured;
+    const bool is_textured = atlas != types::TextureMap::kUntextured;
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
         const auto of_triangle =
-            texture == nullptr ? types::Texture::kUntextured : texture->atlas_of_triangle[i];
+            texture == nullptr ? types::TextureMap::kUntextured : texture->atlas_of_triangle[i];
         if (of_triangle != atlas) continue;
         auto& triangle = part.triangles.emplace_back();
         for (std::size_t corner = 0; corner < 3; ++corner)

@@ -19,6 +19,6 @@ struct MeshPart {
 };
 
 // Returns the part of an atlas, or of kUntextured; without texture (null) all triangles are that.
-MeshPart mesh_part(const types::Mesh& mesh, const types::Texture* texture, std::int32_t atlas);
+MeshPart mesh_part(const types::Mesh& mesh, const types::TextureMap* texture, std::int32_t atlas);
 
 }  // namespace divemesh::io

@@ -11,7 +11,6 @@
 
 #include "schemas/error.hpp"
 #include "worker/base/atomic_file.hpp"
-#include "worker/io/jpeg.hpp"
 #include "worker/io/mesh_check.hpp"
 #include "worker/io/mesh_part.hpp"
 
@@ -159,7 +158,7 @@ std::string image_name(std::size_t atlas) { return "atlas_" + std::to_string(atl
 // Writes mesh.obj. Returns the atlases that it uses.
 std::vector<std::size_t> write_obj(ZipWriter& zip,
                                    const types::Mesh& mesh,
-                                   const types::Texture* texture,
+                                   const StoredTexture* texture,
                                    const std::string& remark) {
     zip.begin("mesh.obj");
     ObjText text(zip);
@@ -169,7 +168,7 @@ std::vector<std::size_t> write_obj(ZipWriter& zip,
     write_vertices(text, mesh);
     std::vector<std::size_t> used;
     std::uint64_t first_uv = 1;
-    const std::size_t num_atlases = texture == nullptr ? 0 : texture->atlases.size();
+    const std::size_t num_atlases = texture == nullptr ? 0 : texture->jpegs.size();
     for (std::size_t atlas = 0; atlas < num_atlases; ++atlas) {
         const MeshPart part = mesh_part(mesh, texture, static_cast<std::int32_t>(atlas));
         if (part.triangles.empty()) continue;
@@ -179,7 +178,7 @@ std::vector<std::size_t> write_obj(ZipWriter& zip,
         first_uv += part.uv.size();
     }
     text.add("usemtl surface\n");
-    write_part(text, mesh, mesh_part(mesh, texture, types::Texture::kUntextured), first_uv);
+    write_part(text, mesh, mesh_part(mesh, texture, types::TextureMap::kUntextured), first_uv);
     text.flush();
     return used;
 }
@@ -200,16 +199,16 @@ void write_materials(ZipWriter& zip, const std::vector<std::size_t>& atlases) {
 
 void write_obj_zip(const std::filesystem::path& file,
                    const types::Mesh& mesh,
-                   const types::Texture* texture,
+                   const StoredTexture* texture,
                    const std::string& remark) {
     check_mesh(mesh);
-    if (texture != nullptr) check_texture(mesh, *texture);
+    if (texture != nullptr) check_texture_map(mesh, *texture, texture->jpegs.size());
     ZipWriter zip(file);
     const std::vector<std::size_t> atlases = write_obj(zip, mesh, texture, remark);
     write_materials(zip, atlases);
     for (const std::size_t atlas : atlases) {
         zip.begin(image_name(atlas));
-        zip.add(encode_jpeg(texture->atlases[atlas]));
+        zip.add(texture->jpegs[atlas]);
     }
     zip.commit();
 }

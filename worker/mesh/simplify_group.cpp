@@ -1,7 +1,10 @@
 #include "worker/mesh/simplify_group.hpp"
 
 #include <algorithm>
+#include <bit>
+#include <limits>
 #include <meshoptimizer.h>
+#include <numeric>
 
 namespace divemesh::mesh {
 namespace {
@@ -9,18 +12,49 @@ namespace {
 using Edge = std::array<std::uint32_t, 2>;
 using Triangle = std::array<std::uint32_t, 3>;
 
-// Numbers the vertices of the triangles from 0. Returns their numbers in the mesh.
+// Numbers vertices in the order in which they first appear.
+class FirstAppearance {
+public:
+    explicit FirstAppearance(std::size_t max_corners)
+        : slots_(std::bit_ceil(2 * max_corners), Slot{kNone, 0}) {}
+
+    std::uint32_t number_of(std::uint32_t vertex) {
+        // Multiplying by 2^32 over the golden ratio spreads neighbours over the slots.
+        std::size_t i = (vertex * 2'654'435'769U) & (slots_.size() - 1);
+        while (slots_[i].vertex != vertex) {
+            if (slots_[i].vertex == kNone) {
+                slots_[i] = {vertex, static_cast<std::uint32_t>(vertices_.size())};
+                vertices_.push_back(vertex);
+                break;
+            }
+            i = (i + 1) & (slots_.size() - 1);
+        }
+        return slots_[i].number;
+    }
+    const std::vector<std::uint32_t>& vertices() const { return vertices_; }
+
+private:
+    static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+    struct Slot {
+        std::uint32_t vertex;
+        std::uint32_t number;
+    };
+    std::vector<Slot> slots_;
+    std::vector<std::uint32_t> vertices_;
+};
+
+// Numbers the vertices of the triangles from 0, in their order. Returns their numbers in the mesh.
 std::vector<std::uint32_t> renumber(std::vector<Triangle>& triangles) {
-    std::vector<std::uint32_t> used;
-    used.reserve(3 * triangles.size());
-    for (const Triangle& triangle : triangles)
-        used.insert(used.end(), triangle.begin(), triangle.end());
-    std::sort(used.begin(), used.end());
-    used.erase(std::unique(used.begin(), used.end()), used.end());
+    FirstAppearance first(3 * triangles.size());
     for (Triangle& triangle : triangles)
-        for (std::uint32_t& vertex : triangle)
-            vertex = static_cast<std::uint32_t>(std::lower_bound(used.begin(), used.end(), vertex) -
-                                                used.begin());
+        for (std::uint32_t& vertex : triangle) vertex = first.number_of(vertex);
+    std::vector<std::uint32_t> used = first.vertices();
+    std::sort(used.begin(), used.end());
+    std::vector<std::uint32_t> rank(used.size());
+    for (std::size_t i = 0; i < used.size(); ++i)
+        rank[first.number_of(used[i])] = static_cast<std::uint32_t>(i);
+    for (Triangle& triangle : triangles)
+        for (std::uint32_t& vertex : triangle) vertex = rank[vertex];
     return used;
 }
 
@@ -53,22 +87,39 @@ struct CountedEdges {
     std::vector<std::size_t> num_triangles;
 };
 
-CountedEdges count_edges(const std::vector<Triangle>& triangles) {
-    std::vector<Edge> sides;
-    sides.reserve(3 * triangles.size());
+// Calls use(low, high) for the sides of the triangles.
+template <typename Use>
+void for_each_side(const std::vector<Triangle>& triangles, const Use& use) {
     for (const Triangle& triangle : triangles)
         for (std::size_t i = 0; i < 3; ++i) {
             const auto [low, high] = std::minmax(triangle[i], triangle[(i + 1) % 3]);
-            sides.push_back({low, high});
+            use(low, high);
         }
-    std::sort(sides.begin(), sides.end());
+}
+
+// Sorts the sides by their lower vertex at first, which few of them share.
+CountedEdges count_edges(const std::vector<Triangle>& triangles, std::size_t num_vertices) {
+    std::vector<std::uint32_t> end(num_vertices + 1, 0);
+    for_each_side(triangles, [&](std::uint32_t low, std::uint32_t) { ++end[low + 1]; });
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<std::uint32_t> highs(3 * triangles.size());
+    for_each_side(triangles,
+                  [&](std::uint32_t low, std::uint32_t high) { highs[end[low]++] = high; });
     CountedEdges counted;
-    for (const Edge& side : sides) {
-        if (counted.edges.empty() || counted.edges.back() != side) {
-            counted.edges.push_back(side);
-            counted.num_triangles.push_back(0);
+    counted.edges.reserve(highs.size());
+    counted.num_triangles.reserve(highs.size());
+    auto begin = highs.begin();
+    for (std::uint32_t low = 0; low < num_vertices; ++low) {
+        const auto next = highs.begin() + end[low];
+        std::sort(begin, next);
+        for (auto high = begin; high != next; ++high) {
+            if (high == begin || *high != *(high - 1)) {
+                counted.edges.push_back({low, *high});
+                counted.num_triangles.push_back(0);
+            }
+            ++counted.num_triangles.back();
         }
-        ++counted.num_triangles.back();
+        begin = next;
     }
     return counted;
 }
@@ -114,7 +165,7 @@ std::optional<SimplifiedGroup> simplify_group(const std::vector<Eigen::Vector3f>
     positions.reserve(used.size());
     for (const std::uint32_t vertex : used) positions.push_back(vertices[vertex]);
     if (max_error_m > 0.0) group.triangles = collapse(positions, group.triangles, max_error_m);
-    const CountedEdges counted = count_edges(group.triangles);
+    const CountedEdges counted = count_edges(group.triangles, used.size());
     if (max_error_m > 0.0 && !is_manifold(counted)) return std::nullopt;
     list_outer_edges(counted, used.size(), group);
     rename(used, group.triangles);

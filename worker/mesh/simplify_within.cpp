@@ -4,9 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "worker/base/parallel.hpp"
+#include "worker/base/part_of.hpp"
+#include "worker/base/radix_sort.hpp"
 #include "worker/mesh/mesh_components.hpp"
 #include "worker/mesh/simplify_group.hpp"
 
@@ -24,6 +27,12 @@ constexpr double kToleranceOfPass = 0.5;
 // Limits the rounding errors of meshoptimizer's quadrics, which are floats over the extent of the
 // group: some sqrt(2^-24) of it.
 constexpr double kCellSide_tolerances = 256.0;
+
+// Shares of a pass that are done.
+constexpr double kSplit = 0.1;
+constexpr double kSimplified = 0.9;
+// These take one thread some 50 ms.
+constexpr std::size_t kSlice_triangles = 50'000;
 
 // Groups of fewer triangles are not divided.
 constexpr std::size_t kMinDivided_triangles = 32;
@@ -50,7 +59,6 @@ CellKey cell_of(const Eigen::Vector3f& p_world, float tolerance_m, double shift)
 struct KeyedTriangle {
     CellKey cell;
     std::uint32_t triangle;
-    auto operator<=>(const KeyedTriangle&) const = default;
 };
 
 // A group of triangles, before and after.
@@ -68,21 +76,37 @@ struct OuterEdge {
     auto operator<=>(const OuterEdge&) const = default;
 };
 
-std::vector<OuterEdge> outer_edges(const std::vector<Group>& groups) {
-    std::vector<OuterEdge> edges;
+// Calls use(edge) for the edges at the borders of all groups and between two vertices of them.
+template <typename Use>
+void for_each_outer_edge(const std::vector<Group>& groups, const Use& use) {
     for (std::size_t i = 0; i < groups.size(); ++i) {
         if (!groups[i].simplified) continue;
-        for (const auto& edge : groups[i].simplified->border) edges.push_back({edge, false, i});
+        for (const auto& edge : groups[i].simplified->border) use(OuterEdge{edge, false, i});
         for (const auto& edge : groups[i].simplified->chords)
-            edges.push_back({edge, groups[i].max_error_m > 0.0, i});
+            use(OuterEdge{edge, groups[i].max_error_m > 0.0, i});
     }
-    std::sort(edges.begin(), edges.end());
+}
+
+// Returns the outer edges, sorted: at first by their lower vertex, which few edges share.
+std::vector<OuterEdge> outer_edges(const std::vector<Group>& groups, std::size_t num_vertices) {
+    std::vector<std::size_t> end(num_vertices + 1, 0);
+    for_each_outer_edge(groups, [&](const OuterEdge& edge) { ++end[edge.vertices[0] + 1]; });
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<OuterEdge> edges(end.back());
+    for_each_outer_edge(groups,
+                        [&](const OuterEdge& edge) { edges[end[edge.vertices[0]]++] = edge; });
+    auto begin = edges.begin();
+    for (std::size_t vertex = 0; vertex < num_vertices; ++vertex) {
+        const auto next = edges.begin() + static_cast<std::ptrdiff_t>(end[vertex]);
+        std::sort(begin, next);
+        begin = next;
+    }
     return edges;
 }
 
 // Discards the result of groups whose collapses made an edge that another group has as well.
-void discard_conflicts(std::vector<Group>& groups) {
-    const std::vector<OuterEdge> edges = outer_edges(groups);
+void discard_conflicts(std::vector<Group>& groups, std::size_t num_vertices) {
+    const std::vector<OuterEdge> edges = outer_edges(groups, num_vertices);
     for (std::size_t i = 1; i < edges.size(); ++i)
         if (edges[i].vertices == edges[i - 1].vertices && edges[i].may_be_new)
             groups[edges[i].group].simplified.reset();
@@ -120,10 +144,11 @@ public:
           num_threads_(num_threads),
           triangles_(mesh.triangles) {}
 
-    void run_pass(double shift) {
-        std::vector<Group> groups = split(shift);
-        do simplify(groups);
-        while (divide_failed(groups));
+    void run_pass(double shift, const base::ProgressCallback& progress) {
+        std::vector<Group> groups = split(shift, {.end = kSplit, .report = progress});
+        simplify(groups, {.begin = kSplit, .end = kSimplified, .report = progress});
+        while (divide_failed(groups))
+            simplify(groups, {.begin = kSimplified, .end = kSimplified, .report = progress});
         triangles_.clear();
         for (const Group& group : groups)
             triangles_.insert(triangles_.end(),
@@ -142,21 +167,25 @@ private:
         return lowest_m;
     }
 
-    std::vector<KeyedTriangle> sort_triangles(double shift) const {
+    std::vector<KeyedTriangle> sort_triangles(double shift,
+                                              const base::ProgressShare& progress) const {
         std::vector<KeyedTriangle> keyed(triangles_.size());
-        base::for_each_index(num_threads_, keyed.size(), [&](std::size_t i) {
+        base::for_each_index(num_threads_, keyed.size(), progress, [&](std::size_t i) {
             const Triangle& triangle = triangles_[i];
             keyed[i] = {cell_of(mesh_.vertices[triangle[0]], tolerance_of(triangle), shift),
                         static_cast<std::uint32_t>(i)};
         });
-        std::sort(keyed.begin(), keyed.end());
+        base::radix_sort(
+            keyed,
+            [](const KeyedTriangle& triangle) { return triangle.cell; },
+            [&] { progress.at(1.0); });
         return keyed;
     }
 
-    std::vector<Group> split(double shift) const {
+    std::vector<Group> split(double shift, const base::ProgressShare& progress) const {
         std::vector<Group> groups;
         CellKey cell = kNotSimplified;
-        for (const KeyedTriangle& keyed : sort_triangles(shift)) {
+        for (const KeyedTriangle& keyed : sort_triangles(shift, progress)) {
             const Triangle& triangle = triangles_[keyed.triangle];
             const double max_error_m =
                 keyed.cell == kNotSimplified ? 0.0 : kToleranceOfPass * tolerance_of(triangle);
@@ -169,14 +198,25 @@ private:
         return groups;
     }
 
-    void simplify(std::vector<Group>& groups) const {
-        base::for_each_index(num_threads_, groups.size(), [&](std::size_t i) {
-            Group& group = groups[i];
-            if (!group.simplified)
+    // Simplifies the groups without a result, some kSlice_triangles between two reports.
+    void simplify(std::vector<Group>& groups, const base::ProgressShare& progress) const {
+        for (std::size_t begin = 0; begin < groups.size();) {
+            progress.at(static_cast<double>(begin) / static_cast<double>(groups.size()));
+            std::vector<Group*> slice;
+            for (std::size_t num = 0; begin < groups.size() && num < kSlice_triangles; ++begin) {
+                if (groups[begin].simplified) continue;
+                slice.push_back(&groups[begin]);
+                num += groups[begin].triangles.size();
+            }
+            base::for_each_index(num_threads_, slice.size(), [&](std::size_t i) {
+                Group& group = *slice[i];
                 group.simplified =
                     simplify_group(mesh_.vertices, group.triangles, group.max_error_m);
-        });
-        discard_conflicts(groups);
+            });
+        }
+        progress.at(1.0);
+        discard_conflicts(groups, mesh_.vertices.size());
+        progress.at(1.0);
     }
 
     // Divides the groups that have no result. Returns whether there were any.
@@ -200,9 +240,16 @@ private:
 
 types::Mesh simplify_within(const types::Mesh& mesh,
                             const std::vector<float>& tolerance_m,
-                            int num_threads) {
+                            int num_threads,
+                            const base::ProgressCallback& progress) {
     Simplification simplification(mesh, tolerance_m, num_threads);
-    for (const double shift : kPassShifts) simplification.run_pass(shift);
+    constexpr double kNumPasses = std::size(kPassShifts);
+    for (std::size_t i = 0; i < std::size(kPassShifts); ++i) {
+        const auto num_before = static_cast<double>(i);
+        simplification.run_pass(
+            kPassShifts[i],
+            base::part_of(progress, num_before / kNumPasses, (num_before + 1.0) / kNumPasses));
+    }
     types::Mesh simplified = mesh;
     simplified.triangles = simplification.take_triangles();
     remove_unreferenced_vertices(simplified);

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "worker/base/observer.hpp"
 #include "worker/types/mesh.hpp"
 
 namespace divemesh::mesh {
@@ -15,6 +16,7 @@ namespace divemesh::mesh {
 // on the number of threads.
 types::Mesh simplify_within(const types::Mesh& mesh,
                             const std::vector<float>& tolerance_m,
-                            int num_threads);
+                            int num_threads,
+                            const base::ProgressCallback& progress);
 
 }  // namespace divemesh::mesh

@@ -17,10 +17,12 @@ constexpr double kSimplified = 0.3;
 constexpr double kMeasured = 0.4;
 constexpr double kChosen = 0.7;
 
-types::Mesh simplified(const types::Mesh& surface, int num_threads) {
+types::Mesh simplified(const types::Mesh& surface,
+                       int num_threads,
+                       const base::ProgressCallback& progress) {
     std::vector<float> tolerance_m = surface.sigma_m;
     for (float& tolerance : tolerance_m) tolerance *= kMaxError_sigmas;
-    return mesh::simplify_within(surface, tolerance_m, num_threads);
+    return mesh::simplify_within(surface, tolerance_m, num_threads, progress);
 }
 
 double textured_share(const types::Mesh& mesh, const types::Texture& texture) {
@@ -42,17 +44,12 @@ DisplayMesh make_display_mesh(const types::Mesh& surface,
                               const keyframes::ReadImage& read_image,
                               int num_threads,
                               const base::ProgressCallback& progress) {
-    DisplayMesh result{simplified(surface, num_threads), {}, {}};
-    const auto at = [&](double fraction) {
-        Progress reached;
-        reached.fraction = fraction;
-        progress(reached);
-    };
-    at(kSimplified);
+    DisplayMesh result{
+        simplified(surface, num_threads, base::part_of(progress, 0.0, kSimplified)), {}, {}};
     TextureMetrics& metrics = result.metrics;
     metrics.num_triangles = std::ssize(result.mesh.triangles);
-    metrics.simplification = simplification_error(surface, result.mesh, num_threads);
-    at(kMeasured);
+    metrics.simplification = simplification_error(
+        surface, result.mesh, num_threads, base::part_of(progress, kSimplified, kMeasured));
     const texture::ChosenFaceViews chosen =
         texture::choose_face_views(result.mesh,
                                    rig,
@@ -66,7 +63,7 @@ DisplayMesh make_display_mesh(const types::Mesh& surface,
                                            {},
                                            num_threads,
                                            base::part_of(progress, kChosen, 1.0));
-    metrics.num_lost_images = std::ssize(chosen.lost_frames);
+    metrics.lost_frames = chosen.lost_frames;
     metrics.num_atlases = std::ssize(result.texture.atlases);
     metrics.texels_per_pixel = result.texture.texels_per_pixel;
     metrics.textured_share = textured_share(result.mesh, result.texture);

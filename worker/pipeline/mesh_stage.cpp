@@ -1,3 +1,4 @@
+#include "worker/base/part_of.hpp"
 #include "worker/evaluation/surface_samples.hpp"
 #include "worker/io/ply.hpp"
 #include "worker/mesh/cut_by_sigma.hpp"
@@ -10,10 +11,12 @@
 namespace divemesh::pipeline {
 namespace {
 
-Surface simplified(types::Mesh mesh, const ReconstructionOptions& options) {
+Surface simplified(types::Mesh mesh,
+                   const ReconstructionOptions& options,
+                   const base::ProgressCallback& progress) {
     if (options.simplify >= 1.0 || mesh.triangles.empty()) return {std::move(mesh), std::nullopt};
     types::Mesh fewer = mesh::simplify_mesh(mesh, {options.simplify, options.simplify_error_m});
-    const auto error = simplification_error(mesh, fewer, options.num_threads);
+    const auto error = simplification_error(mesh, fewer, options.num_threads, progress);
     return {std::move(fewer), error};
 }
 
@@ -48,7 +51,8 @@ void run_mesh(Reconstruction& made, const base::ProgressCallback& progress) {
     mesh::finish_sigma(surface, optimisation::shared_sigma_m(made.optimised.statistics.path));
     surface.voxel_m = {};  // not needed any more
     const double cut_m2 = cut_by_sigma(made.options().max_sigma_m, surface);
-    made.surface = simplified(std::move(surface), made.options());
+    made.surface =
+        simplified(std::move(surface), made.options(), base::part_of(progress, 1.0, 1.0));
     made.surface.small_components_m2 = small_components_m2;
     made.surface.cut_by_sigma_m2 = cut_m2;
 }

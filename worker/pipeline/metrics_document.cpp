@@ -318,7 +318,7 @@ json texture(const TextureMetrics& metrics) {
                    {"num_atlases", metrics.num_atlases},
                    {"textured_share", metrics.textured_share},
                    {"texels_per_pixel", metrics.texels_per_pixel},
-                   {"num_lost_images", metrics.num_lost_images}};
+                   {"num_lost_images", metrics.lost_frames.size()}};
     if (metrics.mosaic_pixel_m > 0.0) result["mosaic_pixel_m"] = metrics.mosaic_pixel_m;
     return result;
 }

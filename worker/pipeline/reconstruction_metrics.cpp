@@ -94,8 +94,10 @@ std::vector<Finding> findings(const Reconstruction& made,
     if (made.optimised.max_depth_m > 0.0) fused_with.max_depth_m = made.max_depth_m;
     add(left_out_finding(made.cloud.fused, made.max_depth_m, made.voxels, fused_with));
     add(surface_finding(std::ssize(made.surface.mesh.triangles)));
-    if (!made.surface.mesh.triangles.empty())
-        add(incomplete_finding(made.coverage, made.surface.cut_by_sigma_m2));
+    if (made.surface.mesh.triangles.empty()) return all;
+    add(incomplete_finding(made.coverage, made.surface.cut_by_sigma_m2));
+    if (made.options().texture)
+        add(texture_finding(made.texture, std::ssize(made.optimised.keyframes)));
     return all;
 }
 

@@ -14,6 +14,11 @@ constexpr std::size_t kMaxSegments = 8;  // listed one by one
 // and depth that no other frame confirms.
 constexpr double kMinCoveredShare = 0.67;
 
+// Share of the area of a surface without a photograph. Rendered and recorded dives have 1 to 4 %:
+// rims, and sides that no keyframe sees well.
+constexpr double kMaxUntextured = 0.15;
+constexpr std::size_t kMaxListedFrames = 8;
+
 // Shares of the fused depth. Cameras that look ahead over flat ground have a fifth of their image
 // beyond 2.4 times its median depth, which is the reach of one voxel for all if it is chosen from
 // the range. Uncertain depth is mostly measured again from nearer.
@@ -27,6 +32,17 @@ std::string list_of(const std::vector<types::TrackingSegment>& segments) {
                 std::to_string(segments[i].num_frames) + " frames)";
     if (segments.size() > kMaxSegments)
         text += " and " + std::to_string(segments.size() - kMaxSegments) + " more";
+    return text;
+}
+
+std::string list_of(const std::vector<int>& frames) {
+    std::string text;
+    for (std::size_t i = 0; i < std::min(frames.size(), kMaxListedFrames); ++i) {
+        text += i > 0 ? ", " : "";
+        text += std::to_string(frames[i]);
+    }
+    if (frames.size() > kMaxListedFrames)
+        text += " and " + std::to_string(frames.size() - kMaxListedFrames) + " more";
     return text;
 }
 
@@ -160,6 +176,27 @@ std::optional<Finding> incomplete_finding(const std::vector<mesh::ImageCoverage>
             "mesh.covered_images in metrics.json names the images: swim over these places again, "
             "nearer and slower, so that several frames see each of them; measure only where there "
             "is surface"};
+}
+
+std::optional<Finding> texture_finding(const TextureMetrics& texture, std::int64_t num_keyframes) {
+    const double untextured = 1.0 - texture.textured_share;
+    const bool has_lost = !texture.lost_frames.empty();
+    if (!has_lost && untextured <= kMaxUntextured) return std::nullopt;
+    return Finding{
+        Severity::Warning,
+        "texture_incomplete",
+        "",
+        base::fixed(100.0 * untextured, 0) +
+            " % of the area in mesh.glb has no photograph, but the colours of its vertices: " +
+            (has_lost ? "the images of " + std::to_string(texture.lost_frames.size()) + " of " +
+                            std::to_string(num_keyframes) +
+                            " keyframes could not be read again (frames " +
+                            list_of(texture.lost_frames) + ")"
+                      : "no keyframe shows it whole, from the front and with nothing before it"),
+        has_lost ? "check the disk with the dive and the one with its scratch folder (divemesh "
+                   "validate DIVE reads every image), then reconstruct again"
+                 : "swim over these places again so that the cameras look straight at them; the "
+                   "shape in mesh.ply is not affected"};
 }
 
 }  // namespace divemesh::pipeline

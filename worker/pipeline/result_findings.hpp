@@ -9,6 +9,7 @@
 #include "worker/evaluation/expected_accuracy.hpp"
 #include "worker/mesh/image_coverage.hpp"
 #include "worker/pipeline/map_metrics.hpp"
+#include "worker/pipeline/texture_metrics.hpp"
 #include "worker/types/refined_calibration.hpp"
 #include "worker/types/tracking_segment.hpp"
 
@@ -46,5 +47,9 @@ std::optional<Finding> surface_finding(std::int64_t num_triangles);
 // what the option max_sigma_m removed.
 std::optional<Finding> incomplete_finding(const std::vector<mesh::ImageCoverage>& images,
                                           double cut_by_sigma_m2);
+
+// Returns a warning if photographs are missing: images of keyframes could not be read for the
+// texture, or more than 15 % of the area of the surface has none.
+std::optional<Finding> texture_finding(const TextureMetrics& texture, std::int64_t num_keyframes);
 
 }  // namespace divemesh::pipeline

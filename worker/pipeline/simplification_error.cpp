@@ -11,10 +11,11 @@ namespace divemesh::pipeline {
 
 mesh::SimplificationError simplification_error(const types::Mesh& original,
                                                const types::Mesh& simplified,
-                                               int num_threads) {
+                                               int num_threads,
+                                               const base::ProgressCallback& progress) {
     const evaluation::SurfaceIndex surface(simplified);
     std::vector<float> distances_m(original.vertices.size());
-    base::for_each_index(num_threads, distances_m.size(), [&](std::size_t i) {
+    base::for_each_index(num_threads, distances_m.size(), {.report = progress}, [&](std::size_t i) {
         distances_m[i] = surface.distance_m(original.vertices[i]);
     });
     mesh::SimplificationError error;

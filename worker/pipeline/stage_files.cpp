@@ -194,7 +194,15 @@ void fields(auto& file, Is<types::OptimisedTrack> auto& track) {
 }
 
 void fields(auto& file, Is<CloudMetrics> auto& metrics) { file.plain(metrics); }
-void fields(auto& file, Is<TextureMetrics> auto& metrics) { file.plain(metrics); }
+
+void fields(auto& file, Is<TextureMetrics> auto& metrics) {
+    file.plain(metrics.num_triangles);
+    file.plain(metrics.simplification);
+    file.plain(metrics.num_atlases);
+    file.plain(metrics.textured_share);
+    file.plain(metrics.texels_per_pixel);
+    file.vector(metrics.lost_frames);
+}
 
 void fields(auto& file, Is<Surface> auto& surface) {
     file.vector(surface.mesh.vertices);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "worker/mesh/simplify_mesh.hpp"
 
@@ -13,8 +14,8 @@ struct TextureMetrics {
     std::int64_t num_atlases = 0;
     double textured_share = 0.0;    // of the area; the rest has the colours of the vertices
     double texels_per_pixel = 1.0;  // of the photographs, along a row; below 1: limited by memory
-    std::int64_t num_lost_images = 0;  // keyframes whose images could not be read
-    double mosaic_pixel_m = 0.0;       // of mosaic.tif and heights.tif; 0: there are none
+    std::vector<int> lost_frames;   // frame indices of keyframes whose images could not be read
+    double mosaic_pixel_m = 0.0;    // of mosaic.tif and heights.tif; 0: there are none
 };
 
 }  // namespace divemesh::pipeline

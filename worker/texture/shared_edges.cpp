@@ -39,7 +39,7 @@ std::vector<SharedEdge> shared_edges(const types::Mesh& mesh) {
         const auto end = sides.begin() + bucket_begin[lower + 1];
         std::sort(begin, end);
         for (auto side = begin; side != end && side + 1 != end; ++side)
-            if (side->first == (side + 1)->first)
+            if (side->first == (side + 1)->first && side->second != (side + 1)->second)
                 edges.push_back({{lower, side->first}, {side->second, (side + 1)->second}});
     }
     return edges;

@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "schemas/error.hpp"
+#include "worker/camera/gradient_magnitude.hpp"
 
 namespace divemesh::texture {
 namespace {
@@ -20,17 +21,6 @@ cv::Mat read_or_empty(const keyframes::ReadImage& read_image, int frame_index) {
     }
 }
 
-// Sobel's operator, whose weights sum to eight for a slope of one.
-cv::Mat gradient_magnitude(const cv::Mat& grey) {
-    cv::Mat along_x;
-    cv::Mat along_y;
-    cv::Sobel(grey, along_x, CV_32F, 1, 0, 3, 0.125);
-    cv::Sobel(grey, along_y, CV_32F, 0, 1, 3, 0.125);
-    cv::Mat magnitude;
-    cv::magnitude(along_x, along_y, magnitude);
-    return magnitude;
-}
-
 }  // namespace
 
 ViewImage read_view_image(const keyframes::ReadImage& read_image, int frame_index) {
@@ -43,7 +33,7 @@ ViewImage read_view_image(const keyframes::ReadImage& read_image, int frame_inde
         cv::cvtColor(image, grey, cv::COLOR_BGR2GRAY);
     ViewImage view;
     cv::blur(image, view.color, kColorWindow_px);
-    cv::blur(gradient_magnitude(grey), view.sharpness, kSharpnessWindow_px);
+    cv::blur(camera::gradient_magnitude(grey), view.sharpness, kSharpnessWindow_px);
     return view;
 }
 

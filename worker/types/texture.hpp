@@ -8,15 +8,19 @@
 
 namespace divemesh::types {
 
-// The photographs of a mesh, packed into atlases. Triangles that no photograph shows well stay
+// Where the triangles of a mesh are in its atlases. Triangles that no photograph shows well stay
 // untextured.
-struct Texture {
+struct TextureMap {
     static constexpr std::int32_t kUntextured = -1;
 
-    std::vector<cv::Mat> atlases;                 // CV_8UC3 BGR
     std::vector<std::int32_t> atlas_of_triangle;  // or kUntextured
     // The corners of each triangle, 0 to 1 over its atlas, v down (as glTF); 0 if untextured.
     std::vector<std::array<Eigen::Vector2f, 3>> uv;
+};
+
+// The photographs of a mesh, packed into atlases.
+struct Texture : TextureMap {
+    std::vector<cv::Mat> atlases;   // CV_8UC3 BGR
     double texels_per_pixel = 1.0;  // of the photographs, along a row; below 1: limited by memory
 };
 

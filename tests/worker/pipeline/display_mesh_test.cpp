@@ -44,12 +44,14 @@ protected:
             keyframes_.push_back(keyframe);
         }
     }
-    DisplayMesh shown() const {
+    // `lost_frame` is a frame whose image cannot be read.
+    DisplayMesh shown(int lost_frame = -1) const {
         return make_display_mesh(
             floor_,
             synthetic::small_rig(),
             keyframes_,
             [&](int frame_index) {
+                if (frame_index == lost_frame) throw Error(ErrorCode::Unavailable, "no disk");
                 return SeaFloor()
                     .look(keyframes_[static_cast<std::size_t>(frame_index)].T_world_cam)
                     .left_color;
@@ -80,7 +82,7 @@ TEST_F(DisplayMeshTest, ShowsTheFloorAsThePhotographsDo) {
     const DisplayMesh result = shown();
 
     EXPECT_EQ(result.metrics.num_atlases, std::ssize(result.texture.atlases));
-    EXPECT_EQ(result.metrics.num_lost_images, 0);
+    EXPECT_TRUE(result.metrics.lost_frames.empty());
     EXPECT_GT(result.metrics.textured_share, 0.999);
     std::vector<double> errors;
     for (std::size_t i = 0; i < result.mesh.triangles.size(); ++i) {
@@ -92,6 +94,13 @@ TEST_F(DisplayMeshTest, ShowsTheFloorAsThePhotographsDo) {
         errors.push_back(std::abs(texel(result.texture, i) - brightness));
     }
     EXPECT_LT(stats::median(std::move(errors)), 3.0);
+}
+
+TEST_F(DisplayMeshTest, NamesTheKeyframeWhoseImageCannotBeRead) {
+    const DisplayMesh result = shown(1);
+
+    EXPECT_EQ(result.metrics.lost_frames, std::vector<int>{1});
+    EXPECT_GT(result.metrics.textured_share, 0.5);
 }
 
 TEST_F(DisplayMeshTest, KeepsWithinHalfASigmaOfTheSurface) {

@@ -112,5 +112,32 @@ TEST(IncompleteFindingTest, NamesTheOptionThatCutTheSurface) {
     EXPECT_NE(finding->remedy.find("larger max_sigma_m"), std::string::npos);
 }
 
+TEST(TextureFindingTest, WarnsWhereMoreThan15PercentHaveNoPhotograph) {
+    EXPECT_FALSE(texture_finding({.textured_share = 0.86}, 50));
+    const auto finding = texture_finding({.textured_share = 0.74}, 50);
+    ASSERT_TRUE(finding);
+    EXPECT_EQ(finding->code, "texture_incomplete");
+    EXPECT_EQ(finding->severity, Severity::Warning);
+    EXPECT_TRUE(finding->message.starts_with("26 % of the area")) << finding->message;
+    EXPECT_NE(finding->message.find("no keyframe shows it"), std::string::npos);
+    EXPECT_NE(finding->remedy.find("swim over"), std::string::npos);
+}
+
+TEST(TextureFindingTest, NamesTheKeyframesWhoseImagesAreLost) {
+    const auto finding = texture_finding({.textured_share = 0.97, .lost_frames = {12, 40}}, 50);
+    ASSERT_TRUE(finding);
+    EXPECT_NE(finding->message.find("2 of 50 keyframes could not be read again (frames 12, 40)"),
+              std::string::npos)
+        << finding->message;
+    EXPECT_NE(finding->remedy.find("check the disk"), std::string::npos);
+    const auto many =
+        texture_finding({.textured_share = 0.97, .lost_frames = std::vector<int>(11, 5)}, 50);
+    EXPECT_NE(many->message.find("5 and 3 more)"), std::string::npos) << many->message;
+}
+
+TEST(TextureFindingTest, RestrictsNothing) {
+    EXPECT_TRUE(restrictions_of({*texture_finding({.textured_share = 0.5}, 50)}).empty());
+}
+
 }  // namespace
 }  // namespace divemesh::pipeline

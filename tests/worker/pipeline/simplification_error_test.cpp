@@ -21,14 +21,16 @@ types::Mesh square(bool with_apex) {
 }
 
 TEST(SimplificationErrorTest, IsTheHeightOfWhatWasCutOff) {
-    const auto error = simplification_error(square(true), square(false), 2);
+    const auto error = simplification_error(square(true), square(false), 2, base::ignore_progress);
     EXPECT_EQ(error.num_triangles_before, 4);
     EXPECT_NEAR(error.max_m, 0.3, 1e-6);
     EXPECT_NEAR(error.rms_m, 0.3 / std::sqrt(5.0), 1e-6);
 }
 
 TEST(SimplificationErrorTest, IsNothingWhereNothingChanged) {
-    EXPECT_NEAR(simplification_error(square(true), square(true), 1).max_m, 0.0, 1e-7);
+    EXPECT_NEAR(simplification_error(square(true), square(true), 1, base::ignore_progress).max_m,
+                0.0,
+                1e-7);
 }
 
 }  // namespace

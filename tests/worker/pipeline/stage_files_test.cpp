@@ -127,6 +127,27 @@ TEST(StageFiles, AnAlignmentSurvivesTheDisk) {
     EXPECT_EQ(read->range_solver.final_cost, 2.5);
 }
 
+TEST(StageFiles, MetricsOfTheTextureSurviveTheDisk) {
+    const TemporaryFolder folder;
+    TextureMetrics written;
+    written.num_triangles = 7;
+    written.simplification = {.num_triangles_before = 70, .rms_m = 0.001, .max_m = 0.004};
+    written.num_atlases = 2;
+    written.textured_share = 0.75;
+    written.texels_per_pixel = 0.5;
+    written.lost_frames = {3, 12};
+    save_texture_metrics(folder / "texture.stage", "key", written);
+    const auto read = load_texture_metrics(folder / "texture.stage", "key");
+
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->num_triangles, 7);
+    EXPECT_EQ(read->simplification.max_m, 0.004);
+    EXPECT_EQ(read->num_atlases, 2);
+    EXPECT_EQ(read->textured_share, 0.75);
+    EXPECT_EQ(read->texels_per_pixel, 0.5);
+    EXPECT_EQ(read->lost_frames, written.lost_frames);
+}
+
 TEST(StageFiles, AMeshSurvivesTheDisk) {
     const TemporaryFolder folder;
     Surface surface;

@@ -27,6 +27,17 @@ TEST(FaceGraph, LinksTheTrianglesOfEachInnerEdge) {
     EXPECT_FLOAT_EQ(graph.links(0)[0].edge_m, std::sqrt(0.02F));
 }
 
+TEST(FaceGraph, ATriangleThatHasAnEdgeTwiceIsNotItsOwnNeighbour) {
+    types::Mesh mesh;
+    mesh.vertices = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+    mesh.triangles = {{0, 1, 0}, {0, 1, 2}};
+    const FaceGraph graph(mesh);
+    expect_consistent(graph);
+    EXPECT_EQ(graph.num_links(), 2U);
+    ASSERT_EQ(graph.links(1).size(), 1U);
+    EXPECT_EQ(graph.links(1)[0].face, 0U);
+}
+
 TEST(FaceGraph, GroupsHaveNoNeighbours) {
     const FaceGraph graph(square_mesh(1.0F, 10));
     const auto groups = independent_faces(graph);

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "worker/types/mesh.hpp"
+#include "worker/types/texture.hpp"
+
+namespace divemesh::io {
+
+// A texture whose atlases are as a file has them.
+struct StoredTexture : types::TextureMap {
+    std::vector<std::string> jpegs;
+};
+
+// A mesh as viewers show it.
+struct TexturedMesh {
+    types::Mesh mesh;
+    StoredTexture texture;
+};
+
+}  // namespace divemesh::io
