@@ -55,7 +55,7 @@ void add_export(CLI::App& app, Context& context) {
     command
         ->add_option("--format",
                      options->formats,
-                     "kitti, euroc (trajectory), obj, las (mesh), geotiff (mosaic, heights), "
+                     "kitti, euroc (trajectory), obj, las, 3dtiles (mesh), geotiff (mosaic, heights), "
                      "colmap, nerfstudio (keyframes and points); separate several by commas")
         ->required();
     command->add_option(

@@ -30,6 +30,13 @@ bool is_utm(int epsg) {
     return zone >= 1 && zone <= 60;
 }
 
+void check_position(const types::GeographicPosition& position) {
+    if (!position.is_valid())
+        throw Error(ErrorCode::InvalidArgument,
+                    "the position is outside of UTM: give a latitude from -80 to 84 and a "
+                    "longitude from -180 to 180 degrees");
+}
+
 using Projection = std::unique_ptr<PJ, Destroy>;
 
 Projection utm_projection(PJ_CONTEXT* context, int epsg) {
@@ -45,10 +52,7 @@ Projection utm_projection(PJ_CONTEXT* context, int epsg) {
 }  // namespace
 
 UtmFrame utm_frame(const types::GeographicPosition& position) {
-    if (!position.is_valid())
-        throw Error(ErrorCode::InvalidArgument,
-                    "the position is outside of UTM: give a latitude from -80 to 84 and a "
-                    "longitude from -180 to 180 degrees");
+    check_position(position);
     UtmFrame frame;
     frame.epsg = (position.latitude_deg < 0.0 ? kSouthernUtm : kNorthernUtm) +
                  zone_of(position.longitude_deg);
@@ -65,6 +69,30 @@ UtmFrame utm_frame(const types::GeographicPosition& position) {
     const double cos = scale * std::cos(x_bearing);
     frame.A << sin, -cos, origin.enu.e, cos, sin, origin.enu.n;
     return frame;
+}
+
+Eigen::Isometry3d earth_from_world(const types::GeographicPosition& position) {
+    constexpr double kEquatorRadius_m = 6378137.0;  // WGS 84
+    constexpr double kFlattening = 1.0 / 298.257223563;
+    constexpr double kEccentricity2 = kFlattening * (2.0 - kFlattening);
+    check_position(position);
+    const double latitude = position.latitude_deg * base::kRadPerDeg;
+    const double longitude = position.longitude_deg * base::kRadPerDeg;
+    const Eigen::Vector3d up(std::cos(latitude) * std::cos(longitude),
+                             std::cos(latitude) * std::sin(longitude),
+                             std::sin(latitude));
+    const Eigen::Vector3d east(-std::sin(longitude), std::cos(longitude), 0.0);
+    const Eigen::Vector3d north = up.cross(east);
+    const double azimuth = position.x_azimuth_deg.value_or(kNorthIsY_deg) * base::kRadPerDeg;
+    const double prime_vertical_m =
+        kEquatorRadius_m / std::sqrt(1.0 - kEccentricity2 * up.z() * up.z());
+    Eigen::Isometry3d T_earth_world = Eigen::Isometry3d::Identity();
+    T_earth_world.linear().col(0) = std::sin(azimuth) * east + std::cos(azimuth) * north;
+    T_earth_world.linear().col(1) = std::sin(azimuth) * north - std::cos(azimuth) * east;
+    T_earth_world.linear().col(2) = up;
+    T_earth_world.translation() = prime_vertical_m * up;
+    T_earth_world.translation().z() *= 1.0 - kEccentricity2;
+    return T_earth_world;
 }
 
 bool is_wgs84(int epsg) { return epsg == kLongitudeLatitudeEpsg || is_utm(epsg); }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <vector>
 
 #include "worker/types/geographic_position.hpp"
@@ -18,6 +19,11 @@ struct UtmFrame {
 // Returns the UTM frame of a position. If the azimuth is unknown, the world's y axis is assumed to
 // point north. Throws Error{InvalidArgument} for an invalid position.
 UtmFrame utm_frame(const types::GeographicPosition& position);
+
+// Returns the pose of the world in earth-centred, earth-fixed coordinates (EPSG:4978), with its
+// origin at height 0 of the ellipsoid. If the azimuth is unknown, the world's y axis is assumed to
+// point north. Throws Error{InvalidArgument} for an invalid position.
+Eigen::Isometry3d earth_from_world(const types::GeographicPosition& position);
 
 // Longitude and latitude on WGS 84, degrees, in this order, as GeoJSON has them.
 inline constexpr int kLongitudeLatitudeEpsg = 4326;
