@@ -13,6 +13,7 @@
 #include "worker/io/geographic_frame.hpp"
 #include "worker/io/geotiff_writer.hpp"
 #include "worker/io/las_writer.hpp"
+#include "worker/io/mcap_writer.hpp"
 #include "worker/io/nerfstudio_writer.hpp"
 #include "worker/io/obj_writer.hpp"
 #include "worker/io/posed_images.hpp"
@@ -32,6 +33,7 @@ constexpr EnumText<ExportFormat> kTexts[] = {
     {ExportFormat::Nerfstudio, "nerfstudio"},
     {ExportFormat::Las, "las"},
     {ExportFormat::Tiles, "3dtiles"},
+    {ExportFormat::Mcap, "mcap"},
 };
 
 cv::Mat read_image(const std::filesystem::path& file) {
@@ -207,6 +209,12 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
                                        write_nerfstudio);
         case ExportFormat::Las: return export_las(reconstruction, position, certificate, out);
         case ExportFormat::Tiles: return export_tiles(reconstruction, position, certificate, out);
+        case ExportFormat::Mcap:
+            write_mcap(out / "reconstruction.mcap",
+                       reconstruction,
+                       thinned_cloud(reconstruction),
+                       certificate_line(certificate));
+            return {"reconstruction.mcap"};
     }
     return {};
 }

@@ -47,6 +47,7 @@ constexpr std::string_view kFiles[] = {
     "mosaic.tif",
     "mosaic_height.tif",
     "surface.las",
+    "reconstruction.mcap",
     "colmap/certificate.json",
     "colmap/sparse/0/cameras.bin",
     "colmap/sparse/0/cameras.txt",
