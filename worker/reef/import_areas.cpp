@@ -17,7 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kStep_m = 1e-5;  // to which points are rounded
+constexpr double kStepsPerM = 1e5;  // to which points are rounded
 
 std::string lower(std::string text) {
     for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
@@ -77,7 +77,7 @@ private:
 Polygon without_repetition(const Polygon& points, bool is_line) {
     Polygon cleaned;
     for (const Eigen::Vector2d& point : points) {
-        const Eigen::Vector2d rounded = (point / kStep_m).array().round() * kStep_m;
+        const Eigen::Vector2d rounded = (point * kStepsPerM).array().round() / kStepsPerM;
         if (cleaned.empty() || rounded != cleaned.back()) cleaned.push_back(rounded);
     }
     while (!is_line && cleaned.size() > 1 && cleaned.back() == cleaned.front()) cleaned.pop_back();
@@ -121,7 +121,8 @@ json area_of(const Outline& outline, std::string name, const GroundHeights& grou
     const bool is_quadrat = !outline.is_line && lower(column(outline, {"kind"})) == "quadrat";
     json points = json::array();
     for (const Eigen::Vector2d& point : outline.points)
-        points.push_back({point.x(), point.y(), std::round(ground.at(point) / kStep_m) * kStep_m});
+        points.push_back(
+            {point.x(), point.y(), std::round(ground.at(point) * kStepsPerM) / kStepsPerM});
     return {{"name", std::move(name)},
             {"kind",
              outline.is_line ? "transect"
