@@ -10,6 +10,7 @@
 #include "cli/findings_text.hpp"
 #include "cli/text.hpp"
 #include "schemas/json.hpp"
+#include "worker/base/atomic_file.hpp"
 #include "worker/reef/measure_reconstruction.hpp"
 #include "worker/report/drawing_page.hpp"
 
@@ -91,6 +92,7 @@ struct Options {
     reef::MeasureRequest request;
     std::filesystem::path csv;
     std::filesystem::path draw;
+    std::filesystem::path write_areas;
 };
 
 int write_drawing_page(const Options& options) {
@@ -100,13 +102,54 @@ int write_drawing_page(const Options& options) {
     return kExitDone;
 }
 
+int write_areas(const Options& options) {
+    const io::ReconstructionFolder model(options.request.reconstruction);
+    const json areas =
+        reef::import_areas(*options.request.areas, model, options.request.area_import);
+    base::write_file(options.write_areas, areas.dump(2) + "\n");
+    std::cout << options.write_areas.string() << "\n";
+    return kExitDone;
+}
+
 int measure(const Options& options, const Context& context) {
+    if (!options.write_areas.empty()) return write_areas(options);
     if (!options.draw.empty()) return write_drawing_page(options);
     const json result = reef::measure_reconstruction(options.request);
     if (!options.csv.empty()) reef::write_metrics_csv(result["figures"], options.csv);
     std::cout << (context.json ? result.dump(2) + "\n"
                                : report_text(result) + judgement_text(result["reconstruction"]));
     return kExitDone;
+}
+
+void add_areas(CLI::App& command, Options& options) {
+    reef::AreaImport& how = options.request.area_import;
+    auto* areas = command.add_option("--areas",
+                                     options.request.areas,
+                                     "quadrats, polygons and transects: areas.json, GeoJSON, a "
+                                     "shapefile (.shp) or a TagLab project");
+    command
+        .add_option("--areas-crs",
+                    how.crs,
+                    "coordinates of that file, if it does not tell: world, EPSG:4326, or "
+                    "EPSG:326zz or EPSG:327zz")
+        ->needs(areas);
+    command
+        .add_option("--name-column", how.name_column, "column of the names; default: name or id")
+        ->needs(areas);
+    command
+        .add_option("--label-column",
+                    how.label_column,
+                    "column of the labels; default: label, class, species or TL_Class")
+        ->needs(areas);
+    command.add_option("--map", how.map, "map of a TagLab project that has several")->needs(areas);
+    command
+        .add_flag("--fill-holes", how.fill_holes, "take the outer outline of areas that have holes")
+        ->needs(areas);
+    command
+        .add_option("--write-areas",
+                    options.write_areas,
+                    "write the areas to this file as areas.json, and do not measure")
+        ->needs(areas);
 }
 
 }  // namespace
@@ -119,8 +162,7 @@ void add_measure(CLI::App& app, Context& context) {
         ->add_option(
             "reconstruction", options->request.reconstruction, "folder of a reconstruction")
         ->required();
-    command->add_option(
-        "--areas", options->request.areas, "JSON with quadrats, polygons and transects");
+    add_areas(*command, *options);
     command->add_option("--ground-truth",
                         options->request.ground_truth,
                         "trajectory (TUM, EuRoC) in the frame of the areas");

@@ -87,13 +87,19 @@ TEST_F(ReconstructionTest, GivesFilesThatForeignValidatorsAccept) {
     const Outcome made = service.run(
         {"reconstruct", small_dive().string(), "--out", (service / "result").string()}, 300s);
     ASSERT_EQ(made.exit_code, 0) << made.err;
-    Process node({"/usr/bin/env",
-                  "node",
-                  (checker / "check_outputs.mjs").string(),
-                  (service / "result").string(),
-                  (source_directory() / "schemas/metrics.schema.json").string()},
-                 service / ".");
-    EXPECT_EQ(node.wait(120s), 0) << node.stdout_text() << node.stderr_text();
+    const std::string result = (service / "result").string();
+    const Outcome exported = service.run({"export", result, "--format", "3dtiles,mcap"}, 60s);
+    ASSERT_EQ(exported.exit_code, 0) << exported.err;
+    const std::string schema = (source_directory() / "schemas/metrics.schema.json").string();
+    for (const std::vector<std::string>& check :
+         {std::vector<std::string>{"check_outputs.mjs", result, schema},
+          {"check_tiles.mjs", result + "/tiles"},
+          {"check_mcap.mjs", result + "/reconstruction.mcap"}}) {
+        std::vector<std::string> command = {"/usr/bin/env", "node", (checker / check[0]).string()};
+        command.insert(command.end(), check.begin() + 1, check.end());
+        Process node(command, service / ".");
+        EXPECT_EQ(node.wait(120s), 0) << node.stdout_text() << node.stderr_text();
+    }
 }
 
 TEST_F(ReconstructionTest, GivesTheSameBytesWithOneThreadAndWithTwo) {

@@ -7,13 +7,16 @@
 #include "worker/base/atomic_file.hpp"
 #include "worker/io/certificate.hpp"
 #include "worker/io/colmap_writer.hpp"
+#include "worker/io/geographic_frame.hpp"
 #include "worker/io/las_writer.hpp"
+#include "worker/io/mcap_writer.hpp"
 #include "worker/io/mesh_reader.hpp"
 #include "worker/io/mosaic_files.hpp"
 #include "worker/io/nerfstudio_writer.hpp"
 #include "worker/io/obj_writer.hpp"
 #include "worker/io/posed_images.hpp"
 #include "worker/io/thin_points.hpp"
+#include "worker/io/tiles_writer.hpp"
 #include "worker/io/trajectory_file.hpp"
 
 namespace divemesh::io {
@@ -27,6 +30,8 @@ constexpr EnumText<ExportFormat> kTexts[] = {
     {ExportFormat::Colmap, "colmap"},
     {ExportFormat::Nerfstudio, "nerfstudio"},
     {ExportFormat::Las, "las"},
+    {ExportFormat::Tiles, "3dtiles"},
+    {ExportFormat::Mcap, "mcap"},
 };
 
 // Throws Error{NotFound} if the reconstruction was made without a mosaic.
@@ -110,20 +115,37 @@ std::vector<std::string> export_obj(const ReconstructionFolder& reconstruction,
     return {"mesh_obj.zip"};
 }
 
+std::string description_text(const nlohmann::json& certificate,
+                             const std::optional<types::GeographicPosition>& position) {
+    std::string text = certificate_line(certificate);
+    if (position && !position->x_azimuth_deg) text += "; NORTH NOT KNOWN: y axis taken for it";
+    return text;
+}
+
 std::vector<std::string> export_las(const ReconstructionFolder& reconstruction,
                                     const std::optional<types::GeographicPosition>& position,
                                     const nlohmann::json& certificate,
                                     const std::filesystem::path& out) {
     require_surface(reconstruction, "mesh.ply");
     LasDescription description{
-        .utm = std::nullopt, .text = certificate_line(certificate), .date = std::nullopt};
+        .utm = std::nullopt, .text = description_text(certificate, position), .date = std::nullopt};
     if (position) description.utm = utm_frame(*position);
-    if (position && !position->x_azimuth_deg)
-        description.text += "; NORTH NOT KNOWN: y axis taken for it";
     if (const auto begin = recording_begin(reconstruction.metrics()))
         description.date = std::chrono::floor<std::chrono::days>(*begin);
     write_las(out / "surface.las", reconstruction.mesh(), description);
     return {"surface.las"};
+}
+
+std::vector<std::string> export_tiles(const ReconstructionFolder& reconstruction,
+                                      const std::optional<types::GeographicPosition>& position,
+                                      const nlohmann::json& certificate,
+                                      const std::filesystem::path& out) {
+    require_surface(reconstruction, "mesh.ply");
+    write_tiles(out / "tiles",
+                reconstruction.mesh(),
+                {.position = position, .text = description_text(certificate, position)});
+    write_certificate(out / "tiles", certificate);
+    return {"tiles"};
 }
 
 std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
@@ -151,6 +173,13 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
                                        out / "nerfstudio",
                                        write_nerfstudio);
         case ExportFormat::Las: return export_las(reconstruction, position, certificate, out);
+        case ExportFormat::Tiles: return export_tiles(reconstruction, position, certificate, out);
+        case ExportFormat::Mcap:
+            write_mcap(out / "reconstruction.mcap",
+                       reconstruction,
+                       thinned_cloud(reconstruction),
+                       certificate_line(certificate));
+            return {"reconstruction.mcap"};
     }
     return {};
 }

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <vector>
 
 #include "worker/types/geographic_position.hpp"
 
@@ -17,5 +19,22 @@ struct UtmFrame {
 // Returns the UTM frame of a position. If the azimuth is unknown, the world's y axis is assumed to
 // point north. Throws Error{InvalidArgument} for an invalid position.
 UtmFrame utm_frame(const types::GeographicPosition& position);
+
+// Returns the pose of the world in earth-centred, earth-fixed coordinates (EPSG:4978), with its
+// origin at height 0 of the ellipsoid. If the azimuth is unknown, the world's y axis is assumed to
+// point north. Throws Error{InvalidArgument} for an invalid position.
+Eigen::Isometry3d earth_from_world(const types::GeographicPosition& position);
+
+// Longitude and latitude on WGS 84, degrees, in this order, as GeoJSON has them.
+inline constexpr int kLongitudeLatitudeEpsg = 4326;
+
+// Returns whether an EPSG code is that of longitude and latitude or of a UTM zone, on WGS 84.
+bool is_wgs84(int epsg);
+
+// Returns points of one such coordinate system as (easting, northing) [m] in the UTM zone
+// `utm_epsg`. Throws Error{BadData} if a point has no place in it.
+std::vector<Eigen::Vector2d> to_utm(const std::vector<Eigen::Vector2d>& points,
+                                    int epsg,
+                                    int utm_epsg);
 
 }  // namespace divemesh::io

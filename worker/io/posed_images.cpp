@@ -20,15 +20,6 @@ namespace fs = std::filesystem;
                     ": copy the reconstruction again, or reconstruct the dive again");
 }
 
-std::string read_image_bytes(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream)
-        throw Error(ErrorCode::NotFound,
-                    "cannot open the keyframe's image " + file.string() +
-                        ": copy the folder keyframes/ of the reconstruction too");
-    return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 JpegSize size_of(const fs::path& file) {
     const std::string bytes = read_image_bytes(file);
     try {
@@ -63,6 +54,15 @@ std::vector<PosedImage> images_of(const ReconstructionFolder& reconstruction) {
 }
 
 }  // namespace
+
+std::string read_image_bytes(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    if (!stream)
+        throw Error(ErrorCode::NotFound,
+                    "cannot open the keyframe's image " + file.string() +
+                        ": copy the folder keyframes/ of the reconstruction too");
+    return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 PosedImages read_posed_images(const ReconstructionFolder& reconstruction) {
     const fs::path file = reconstruction.path() / "keyframes.json";

@@ -32,6 +32,9 @@ struct PosedImages {
 // that is named twice.
 PosedImages read_posed_images(const ReconstructionFolder& reconstruction);
 
+// Returns the bytes of an image. Throws Error{NotFound} if it cannot be read.
+std::string read_image_bytes(const std::filesystem::path& file);
+
 // Copies the images into a folder. Throws as AtomicFile does.
 void copy_images(const PosedImages& images, const std::filesystem::path& folder);
 

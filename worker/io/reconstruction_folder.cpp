@@ -48,6 +48,7 @@ constexpr std::string_view kFiles[] = {
     "trajectory_euroc.csv",
     "mesh_obj.zip",
     "surface.las",
+    "reconstruction.mcap",
     "colmap/certificate.json",
     "colmap/sparse/0/cameras.bin",
     "colmap/sparse/0/cameras.txt",
@@ -58,6 +59,8 @@ constexpr std::string_view kFiles[] = {
     "nerfstudio/certificate.json",
     "nerfstudio/transforms.json",
     "nerfstudio/points.ply",
+    "tiles/certificate.json",
+    "tiles/tileset.json",
     // the report on its accuracy
     "accuracy/report.json",
     "accuracy/report.csv",
@@ -78,7 +81,8 @@ constexpr std::string_view kFolders[] = {"keyframes",
                                          "colmap/sparse",
                                          "colmap",
                                          "nerfstudio/images",
-                                         "nerfstudio"};
+                                         "nerfstudio",
+                                         "tiles"};
 
 json read_json(const std::filesystem::path& file) {
     std::ifstream stream(file);
@@ -111,14 +115,21 @@ void remove_file(const fs::path& file) {
                         failure.message() + ": remove it, or give another output folder");
 }
 
-void remove_keyframe_images(const fs::path& folder) {
+// Returns whether a file of tiles/ is a tile: root.glb, or the quadrants that lead to it.
+bool is_tile(const fs::path& file) {
+    const std::string name = file.stem().string();
+    return file.extension() == ".glb" &&
+           (name == "root" || name.find_first_not_of("0123") == std::string::npos);
+}
+
+void remove_numbered_files(const fs::path& folder, bool (*is_made)(const fs::path&)) {
     std::error_code failure;
     if (!fs::is_directory(fs::symlink_status(folder, failure))) return;
-    std::vector<fs::path> images;  // a folder must not change while it is listed
+    std::vector<fs::path> files;  // a folder must not change while it is listed
     for (fs::directory_iterator entry(folder, failure), end; !failure && entry != end;
          entry.increment(failure))
-        if (is_keyframe_image(entry->path())) images.push_back(entry->path());
-    for (const fs::path& image : images) remove_file(image);
+        if (is_made(entry->path())) files.push_back(entry->path());
+    for (const fs::path& file : files) remove_file(file);
 }
 
 // Runs `read` and adds the file's name to errors, such as a field of the wrong type.
@@ -277,7 +288,9 @@ void remove_reconstruction(const fs::path& folder) {
                            fs::exists(folder / "trajectory_causal.tum", failure);
     if (!is_result) return;
     for (const std::string_view name : kFiles) remove_file(folder / name);
-    for (const std::string_view images : kImageFolders) remove_keyframe_images(folder / images);
+    for (const std::string_view images : kImageFolders)
+        remove_numbered_files(folder / images, is_keyframe_image);
+    remove_numbered_files(folder / "tiles", is_tile);
     for (const std::string_view emptied : kFolders) {
         std::error_code not_empty;
         if (fs::is_directory(fs::symlink_status(folder / emptied, not_empty)))

@@ -58,6 +58,14 @@ std::vector<std::uint32_t> renumber(std::vector<Triangle>& triangles) {
     return used;
 }
 
+std::vector<Eigen::Vector3f> positions_of(const std::vector<Eigen::Vector3f>& vertices,
+                                          const std::vector<std::uint32_t>& used) {
+    std::vector<Eigen::Vector3f> positions;
+    positions.reserve(used.size());
+    for (const std::uint32_t vertex : used) positions.push_back(vertices[vertex]);
+    return positions;
+}
+
 std::vector<Triangle> collapse(const std::vector<Eigen::Vector3f>& vertices,
                                const std::vector<Triangle>& triangles,
                                double max_error_m) {
@@ -161,10 +169,8 @@ std::optional<SimplifiedGroup> simplify_group(const std::vector<Eigen::Vector3f>
     SimplifiedGroup group{triangles, {}, {}};
     if (triangles.empty()) return group;
     const std::vector<std::uint32_t> used = renumber(group.triangles);
-    std::vector<Eigen::Vector3f> positions;
-    positions.reserve(used.size());
-    for (const std::uint32_t vertex : used) positions.push_back(vertices[vertex]);
-    if (max_error_m > 0.0) group.triangles = collapse(positions, group.triangles, max_error_m);
+    if (max_error_m > 0.0)
+        group.triangles = collapse(positions_of(vertices, used), group.triangles, max_error_m);
     const CountedEdges counted = count_edges(group.triangles, used.size());
     if (max_error_m > 0.0 && !is_manifold(counted)) return std::nullopt;
     list_outer_edges(counted, used.size(), group);
@@ -172,6 +178,17 @@ std::optional<SimplifiedGroup> simplify_group(const std::vector<Eigen::Vector3f>
     rename(used, group.border);
     rename(used, group.chords);
     return group;
+}
+
+std::vector<Triangle> collapse_within_border(const std::vector<Eigen::Vector3f>& vertices,
+                                             const std::vector<Triangle>& triangles,
+                                             double max_error_m) {
+    if (triangles.empty()) return {};
+    std::vector<Triangle> collapsed = triangles;
+    const std::vector<std::uint32_t> used = renumber(collapsed);
+    collapsed = collapse(positions_of(vertices, used), collapsed, max_error_m);
+    rename(used, collapsed);
+    return collapsed;
 }
 
 }  // namespace divemesh::mesh

@@ -25,4 +25,11 @@ std::optional<SimplifiedGroup> simplify_group(
     const std::vector<std::array<std::uint32_t, 3>>& triangles,
     double max_error_m);
 
+// Returns the triangles with edges collapsed in the same way, for display: an edge may get more
+// than two triangles.
+std::vector<std::array<std::uint32_t, 3>> collapse_within_border(
+    const std::vector<Eigen::Vector3f>& vertices,
+    const std::vector<std::array<std::uint32_t, 3>>& triangles,
+    double max_error_m);
+
 }  // namespace divemesh::mesh

@@ -202,6 +202,7 @@ void fields(auto& file, Is<TextureMetrics> auto& metrics) {
     file.plain(metrics.textured_share);
     file.plain(metrics.texels_per_pixel);
     file.vector(metrics.lost_frames);
+    file.plain(metrics.mosaic_pixel_m);
 }
 
 void fields(auto& file, Is<Surface> auto& surface) {

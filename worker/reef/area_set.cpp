@@ -15,7 +15,6 @@ using nlohmann::json;
 
 constexpr std::uintmax_t kMaxFile_bytes = 64U << 20U;
 constexpr std::size_t kMaxAreas = 10'000;
-constexpr std::size_t kMaxPoints = 1'000;  // per area
 constexpr std::size_t kMaxNameLength = 200;
 constexpr double kMaxCoordinate_m = 1e5;
 constexpr double kMaxTransect_m = 1e4;  // per transect, which is sampled every 5 mm
@@ -68,8 +67,8 @@ std::vector<Eigen::Vector3d> read_points(const json& entry, const std::string& w
     }
     if (list == nullptr || !list->is_array())
         refuse(where, "there is no list corners, polygon or line");
-    if (list->size() > kMaxPoints)
-        refuse(where, "it has more than " + std::to_string(kMaxPoints) + " points");
+    if (list->size() > kMaxAreaPoints)
+        refuse(where, "it has more than " + std::to_string(kMaxAreaPoints) + " points");
     std::vector<Eigen::Vector3d> points;
     for (const json& point : *list) points.push_back(read_vector(point, where));
     return points;

@@ -17,6 +17,8 @@ enum class AreaKind { Quadrat, Outline, Transect };
 // The frame of the points: the reconstruction's, or that of the ground truth trajectory.
 enum class AreaFrame { World, GroundTruth };
 
+inline constexpr std::size_t kMaxAreaPoints = 1'000;
+
 // One area to be measured.
 struct Area {
     std::string name;   // unique

@@ -66,7 +66,9 @@ AreaSet areas_in_world(const AreaSet& set,
 
 json measure_reconstruction(const MeasureRequest& request) {
     const io::ReconstructionFolder reconstruction(request.reconstruction);
-    AreaSet areas = request.areas ? read_areas(*request.areas) : AreaSet{};
+    AreaSet areas;
+    if (request.areas)
+        areas = parse_areas(import_areas(*request.areas, reconstruction, request.area_import));
     std::optional<types::Trajectory> truth;
     if (request.ground_truth) truth = io::read_trajectory(*request.ground_truth).poses;
     areas = areas_in_world(areas, reconstruction.trajectory(), truth);

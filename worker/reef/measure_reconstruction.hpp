@@ -6,6 +6,7 @@
 #include <string>
 
 #include "worker/io/reconstruction_folder.hpp"
+#include "worker/reef/import_areas.hpp"
 #include "worker/reef/measure_areas.hpp"
 
 namespace divemesh::reef {
@@ -22,10 +23,12 @@ AreaSet areas_in_world(const AreaSet& set,
                        const std::optional<types::Trajectory>& ground_truth);
 
 struct MeasureRequest {
-    std::filesystem::path reconstruction;               // folder
-    std::optional<std::filesystem::path> areas;         // areas.json; nullopt: only the whole model
+    std::filesystem::path reconstruction;  // folder
+    // areas.json or another program's file; nullopt: only the whole model
+    std::optional<std::filesystem::path> areas;
     std::optional<std::filesystem::path> ground_truth;  // trajectory, TUM or EuRoC
     int num_threads = 0;
+    AreaImport area_import;  // how another program's file is read
 };
 
 // Runs `divemesh measure`; returns what measure_areas() returns, with "reconstruction": {verdict?,

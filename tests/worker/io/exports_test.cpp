@@ -233,6 +233,8 @@ TEST_F(ExportsOfAFolderTest, AMissingSurfaceIsNamed) {
     const std::vector<std::pair<ExportFormat, std::string>> needed = {
         {ExportFormat::Obj, "mesh.ply"},
         {ExportFormat::Las, "mesh.ply"},
+        {ExportFormat::Tiles, "mesh.ply"},
+        {ExportFormat::Mcap, "cloud.ply"},
         {ExportFormat::Colmap, "cloud.ply"},
         {ExportFormat::Nerfstudio, "cloud.ply"}};
     for (const auto& [format, name] : needed) {
@@ -267,10 +269,17 @@ TEST_F(ExportsOfAFolderTest, PointsWithoutAColourAreGrey) {
 }
 
 TEST_F(ExportsOfAFolderTest, TheNextReconstructionRemovesThem) {
+    write_tum(file("trajectory.tum"), two_poses());
     export_reconstruction(open(),
-                          {ExportFormat::Colmap, ExportFormat::Nerfstudio, ExportFormat::Las},
+                          {ExportFormat::Colmap,
+                           ExportFormat::Nerfstudio,
+                           ExportFormat::Las,
+                           ExportFormat::Tiles,
+                           ExportFormat::Mcap},
                           std::nullopt,
                           file(""));
+    for (const char* name : {"tiles/root.glb", "tiles/certificate.json", "reconstruction.mcap"})
+        EXPECT_TRUE(std::filesystem::exists(file(name))) << name;
 
     remove_reconstruction(file(""));
 
@@ -278,7 +287,7 @@ TEST_F(ExportsOfAFolderTest, TheNextReconstructionRemovesThem) {
 }
 
 TEST(ExportFormatTest, AnUnknownFormatIsToldWithThoseThatAreThere) {
-    EXPECT_EQ(export_formats("kitti,obj,colmap,nerfstudio,las").size(), 5U);
+    EXPECT_EQ(export_formats("kitti,obj,colmap,nerfstudio,las,3dtiles,mcap").size(), 7U);
     const Error error = error_of([] { export_formats("kitti,stl"); });
     EXPECT_NE(std::string(error.what()).find("geotiff"), std::string::npos);
 }
