@@ -142,17 +142,34 @@ json measured(const std::vector<KnownSquare>& squares,
     return json::parse(std::ifstream(answer));
 }
 
+// What a dive tells of its true surface.
+struct TrueSurface {
+    types::Mesh mesh;
+    std::vector<Eigen::Vector3d> cameras;  // some of them; the body's place is near enough
+};
+
+TrueSurface true_surface(const fs::path& dive) {
+    constexpr std::size_t kMaxCameras = 60;
+    TrueSurface surface{io::read_ply(dive / "reference.ply"), {}};
+    const types::Trajectory path = io::read_trajectory(dive / kTruthFile).poses;
+    const std::size_t step = 1 + path.size() / kMaxCameras;
+    for (std::size_t i = 0; i < path.size(); i += step)
+        surface.cameras.push_back(path[i].T_world_imu.translation());
+    return surface;
+}
+
 std::optional<double> truth_of(const std::string& metric,
                                const json& entry,
                                const KnownSquare& square,
-                               const types::Mesh& reference) {
+                               const TrueSurface& surface,
+                               const evaluation::SurfaceIndex& index) {
     if (metric == "rugosity") return true_rugosity(square.truth, entry["resolution_m"]);
     if (metric == "height_range") return true_range(square.truth)->size_m();
     if (metric == "volume") return true_volume_m3(square.truth, square.plane_z_m);
     if (metric == "slope") return true_slope_deg(square.truth);
     if (metric == "planar_area") return square.square.side_m * square.square.side_m;
     if (metric == "surface_area" && square.share_seen >= kMinKnownShare)
-        return true_surface_area_m2(square.square, reference);
+        return true_surface_area_m2(square.square, surface.mesh, index, surface.cameras);
     return std::nullopt;
 }
 
@@ -168,9 +185,10 @@ DiveSamples samples_of(const SimulatedDive& dive, const Options& options) {
     const fs::path model = options.keep / ("sim-" + dive.name());
     if (!fs::exists(model / "metrics.json")) dives.reconstruct(dive, model);
     const fs::path folder = dives.rendered(dive);
-    const types::Mesh reference = io::read_ply(folder / "reference.ply");
-    const std::vector<KnownSquare> squares =
-        known_squares(reference, in_truth_frame(io::read_ply(model / "mesh.ply"), model, folder));
+    const TrueSurface surface = true_surface(folder);
+    const evaluation::SurfaceIndex index(surface.mesh);
+    const std::vector<KnownSquare> squares = known_squares(
+        surface.mesh, in_truth_frame(io::read_ply(model / "mesh.ply"), model, folder));
     DiveSamples samples;
     if (squares.empty()) return samples;
     const json answer = measured(squares, model, folder, options);
@@ -179,7 +197,7 @@ DiveSamples samples_of(const SimulatedDive& dive, const Options& options) {
             return known.name == entry["area"];
         });
         if (square == squares.end() || entry.contains("refused")) continue;
-        if (const auto truth = truth_of(entry["figure"], entry, *square, reference))
+        if (const auto truth = truth_of(entry["figure"], entry, *square, surface, index))
             samples[label_of(entry)].push_back(
                 {square->name, entry["value"], entry["low"], entry["high"], *truth});
     }

@@ -32,6 +32,37 @@ Corners cut(const Corners& corners, int axis, double sign, double limit) {
     return kept;
 }
 
+// Calls visit(center, area_m2) for parts of a triangle with sides of a centimetre at most.
+template <typename Visit>
+void for_each_part(const std::array<Eigen::Vector3d, 3>& triangle, const Visit& visit) {
+    constexpr double kMaxSide_m = 0.01;
+    const auto& [a, b, c] = triangle;
+    if (std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}) <= kMaxSide_m) {
+        visit(Eigen::Vector3d((a + b + c) / 3.0), area_m2({a, b, c}));
+        return;
+    }
+    const Eigen::Vector3d ab = 0.5 * (a + b);
+    const Eigen::Vector3d bc = 0.5 * (b + c);
+    const Eigen::Vector3d ca = 0.5 * (c + a);
+    for_each_part({a, ab, ca}, visit);
+    for_each_part({ab, b, bc}, visit);
+    for_each_part({ca, bc, c}, visit);
+    for_each_part({ab, bc, ca}, visit);
+}
+
+bool is_seen(const Eigen::Vector3d& point,
+             const evaluation::SurfaceIndex& surface,
+             const std::vector<Eigen::Vector3d>& cameras) {
+    constexpr double kOwnSurface_m = 0.002;
+    return std::any_of(cameras.begin(), cameras.end(), [&](const Eigen::Vector3d& camera) {
+        const double distance_m = (camera - point).norm();
+        const Eigen::Vector3d direction = (camera - point) / distance_m;
+        const auto hit = surface.first_hit_m((point + kOwnSurface_m * direction).cast<float>(),
+                                             direction.cast<float>());
+        return !hit || *hit > distance_m;
+    });
+}
+
 Eigen::Vector3d point_at(const SquareHeights& heights, double spacing_m, int column, int row) {
     const int step = static_cast<int>(std::lround(spacing_m * SquareHeights::kPerMetre));
     return {column * spacing_m, row * spacing_m, heights.at(column * step, row * step)};
@@ -126,7 +157,10 @@ double true_slope_deg(const SquareHeights& heights) {
     return std::atan(plane.head<2>().norm()) * 180.0 / std::numbers::pi;
 }
 
-double true_surface_area_m2(const Square& square, const types::Mesh& mesh) {
+double true_surface_area_m2(const Square& square,
+                            const types::Mesh& mesh,
+                            const evaluation::SurfaceIndex& surface,
+                            const std::vector<Eigen::Vector3d>& cameras) {
     double sum_m2 = 0.0;
     for (const auto& triangle : mesh.triangles) {
         Corners corners;
@@ -136,7 +170,11 @@ double true_surface_area_m2(const Square& square, const types::Mesh& mesh) {
             corners = cut(corners, axis, 1.0, square.corner_m[axis]);
             corners = cut(corners, axis, -1.0, square.corner_m[axis] + square.side_m);
         }
-        sum_m2 += area_m2(corners);
+        for (std::size_t i = 2; i < corners.size(); ++i)
+            for_each_part({corners[0], corners[i - 1], corners[i]},
+                          [&](const Eigen::Vector3d& center, double part_m2) {
+                              if (is_seen(center, surface, cameras)) sum_m2 += part_m2;
+                          });
     }
     return sum_m2;
 }

@@ -49,7 +49,11 @@ std::optional<HeightRange> true_range(const SquareHeights& heights);
 double true_volume_m3(const SquareHeights& heights, double plane_z_m);
 // Returns the slope of the plane that fits the heights.
 double true_slope_deg(const SquareHeights& heights);
-// Returns the area of all sheets within the square.
-double true_surface_area_m2(const Square& square, const types::Mesh& mesh);
+// Returns the area of all sheets within the square, as far as nothing hides them from all of the
+// cameras: where objects are sunk into the ground, triangles of both go on inside of the other.
+double true_surface_area_m2(const Square& square,
+                            const types::Mesh& mesh,
+                            const evaluation::SurfaceIndex& surface,
+                            const std::vector<Eigen::Vector3d>& cameras);
 
 }  // namespace divemesh::bench

@@ -21,6 +21,10 @@ Mesh sheet(const std::array<float, 4>& heights) {
 
 const Square kSquare{{0.2, 0.3}, 0.6};
 
+double area_seen_from(const Mesh& mesh, const std::vector<Eigen::Vector3d>& cameras) {
+    return true_surface_area_m2(kSquare, mesh, evaluation::SurfaceIndex(mesh), cameras);
+}
+
 SquareHeights heights_over(const Mesh& mesh) {
     const evaluation::SurfaceIndex index(mesh);
     return heights_of(kSquare, index, 5.0);
@@ -33,7 +37,7 @@ TEST(SquareTruthTest, APlaneAtSixtyDegreesHasTwiceTheArea) {
     EXPECT_EQ(heights.share_known(), 1.0);
     EXPECT_NEAR(true_rugosity(heights, 0.1).value(), 2.0, 1e-5);
     EXPECT_NEAR(true_rugosity(heights, 0.25).value(), 2.0, 1e-5);
-    EXPECT_NEAR(true_surface_area_m2(kSquare, mesh), 2.0 * 0.36, 1e-6);
+    EXPECT_NEAR(area_seen_from(mesh, {{0.5, 0.5, 10.0}}), 2.0 * 0.36, 1e-6);
     EXPECT_NEAR(true_range(heights).value().size_m(), 0.6 * std::numbers::sqrt3, 1e-5);
     // A wedge from 0.2 to 0.8: its mean height is that in the middle.
     EXPECT_NEAR(true_volume_m3(heights, 0.0), 0.36 * 0.5 * std::numbers::sqrt3, 1e-5);
@@ -48,7 +52,23 @@ TEST(SquareTruthTest, WhatIsAboveHidesWhatIsBelowButAddsItsArea) {
     EXPECT_NEAR(true_range(heights).value().low_m, 0.0, 1e-6);
     EXPECT_NEAR(true_range(heights).value().high_m, 1.0, 1e-6);
     EXPECT_NEAR(true_volume_m3(heights, 0.0), 0.5 * 0.36, 2e-3);
-    EXPECT_NEAR(true_surface_area_m2(kSquare, mesh), 1.5 * 0.36, 1e-6);
+    EXPECT_NEAR(area_seen_from(mesh, {{0.5, 0.5, 10.0}, {9.0, 0.5, 0.5}}), 1.5 * 0.36, 1e-6);
+}
+
+TEST(SquareTruthTest, WhatIsInsideOfAnObjectHasNoArea) {
+    Mesh mesh = sheet({0.0F, 0.0F, 0.0F, 0.0F});
+    // A roof with a ridge at x = 0.5, sunk 10 cm into the ground: 20 cm of it stand out.
+    mesh.vertices.insert(mesh.vertices.end(),
+                         {{0.2F, 0, -0.1F},
+                          {0.5F, 0, 0.2F},
+                          {0.8F, 0, -0.1F},
+                          {0.2F, 1, -0.1F},
+                          {0.5F, 1, 0.2F},
+                          {0.8F, 1, -0.1F}});
+    mesh.triangles.insert(mesh.triangles.end(), {{4, 5, 8}, {4, 8, 7}, {5, 6, 9}, {5, 9, 8}});
+    const double ground_m2 = (0.6 - 0.4) * 0.6;
+    const double roof_m2 = 2.0 * 0.2 * std::numbers::sqrt2 * 0.6;
+    EXPECT_NEAR(area_seen_from(mesh, {{0.5, 0.5, 10.0}}), ground_m2 + roof_m2, 0.005);
 }
 
 TEST(SquareTruthTest, UnknownGroundCountsAsTheRestDoes) {

@@ -10,6 +10,7 @@
 #include "worker/mesh/cell_topology.hpp"
 #include "worker/mesh/crossed_cells.hpp"
 #include "worker/mesh/field_reader.hpp"
+#include "worker/mesh/fill_colors.hpp"
 #include "worker/mesh/run_phase.hpp"
 
 namespace divemesh::mesh {
@@ -126,6 +127,7 @@ types::Mesh MarchingCubes::make_mesh(std::uint32_t num_vertices) const {
     const int level = reader_.min_level();
     const auto voxel = static_cast<float>(reader_.step_m(level));
     mesh.voxel_m.assign(num_vertices, voxel);
+    std::vector<std::uint8_t> has_color(num_vertices);
     phase(0.6, 1.0, [&](std::size_t block) {
         for (std::size_t i = 0; i < blocks_[block].vertices.size(); ++i) {
             const EdgeVertex& edge = blocks_[block].vertices[i];
@@ -135,12 +137,14 @@ types::Mesh MarchingCubes::make_mesh(std::uint32_t num_vertices) const {
             mesh.vertices[vertex] = voxel * (edge.cell.cast<float>() + place);
             mesh.normals[vertex] = reader_.edge_normal(level, edge.cell, edge.axis, edge.fraction);
             mesh.colors[vertex] = attributes.color;
+            has_color[vertex] = attributes.has_color ? 1 : 0;
             mesh.sigma_m[vertex] = attributes.sigma_m;
             mesh.num_observations[vertex] = attributes.num_observations;
         }
     });
     for (const BlockEdges& block : blocks_)
         mesh.triangles.insert(mesh.triangles.end(), block.triangles.begin(), block.triangles.end());
+    fill_colors(mesh, std::move(has_color));
     return mesh;
 }
 

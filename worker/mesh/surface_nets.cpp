@@ -13,6 +13,7 @@
 #include "worker/mesh/block_net.hpp"
 #include "worker/mesh/block_surroundings.hpp"
 #include "worker/mesh/field_reader.hpp"
+#include "worker/mesh/fill_colors.hpp"
 #include "worker/mesh/level_transitions.hpp"
 #include "worker/mesh/run_phase.hpp"
 
@@ -330,6 +331,9 @@ types::Mesh SurfaceNets::make_mesh() {
     phase(0.97, 1.0, polygons_.size(), [&](std::size_t block) {
         set_triangles(block, first_triangle[block], mesh);
     });
+    std::vector<std::uint8_t> has_color(num_vertices);
+    for (std::size_t i = 0; i < num_vertices; ++i) has_color[i] = attributes_[i].has_color ? 1 : 0;
+    fill_colors(mesh, std::move(has_color));
     return mesh;
 }
 

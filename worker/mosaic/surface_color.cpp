@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/texture/bilinear.hpp"
+#include "worker/base/bilinear.hpp"
 
 namespace divemesh::mosaic {
 namespace {
@@ -83,7 +83,7 @@ Eigen::Vector3f mean_texel(const cv::Mat& atlas,
                                             rows.offset(row) * pixel.along_column;
             const Eigen::Vector2d place =
                 corners * (leave_border ? moved_inside(weights) : weights);
-            sum += texture::bilinear_color(atlas, place.cast<float>());
+            sum += base::bilinear_color(atlas, place.cast<float>());
         }
     return sum / static_cast<float>(rows.count * columns.count);
 }

@@ -39,9 +39,10 @@ std::vector<double> of_hidden_ground(const OutlineSurvey& survey,
     return systematic;
 }
 
-// Returns one standard deviation of where a step lies.
+// Returns one standard deviation of where a step lies: anywhere in the support of a disparity,
+// which is twice as wide where only the half size of the images was matched.
 double step_deviation_m(const OutlineSurvey& survey) {
-    return survey.sampling_resolution.detail_m.value_or(0.0) / std::sqrt(12.0);
+    return 2.0 * survey.sampling_resolution.detail_m.value_or(0.0) / std::sqrt(12.0);
 }
 
 // Steps that lie all farther out or in.

@@ -2,9 +2,9 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "worker/base/bilinear.hpp"
 #include "worker/mesh/triangle_pixels.hpp"
 #include "worker/stats/robust.hpp"
-#include "worker/texture/bilinear.hpp"
 #include "worker/texture/seam_membrane.hpp"
 
 namespace divemesh::texture {
@@ -113,10 +113,11 @@ SeamResiduals residuals_over(const AtlasSources& sources,
             const Eigen::Vector2f place =
                 seam.pixel(at.side, seam.along(i)) -
                 Eigen::Vector2f(static_cast<float>(pixels.x), static_cast<float>(pixels.y));
-            for_each_bilinear(pixels.size(), place, [&](const cv::Point& pixel, float weight) {
-                residuals.sums.at<cv::Vec3f>(pixel) += weight * lacking;
-                residuals.weights.at<float>(pixel) += weight;
-            });
+            base::for_each_bilinear(
+                pixels.size(), place, [&](const cv::Point& pixel, float weight) {
+                    residuals.sums.at<cv::Vec3f>(pixel) += weight * lacking;
+                    residuals.weights.at<float>(pixel) += weight;
+                });
         }
     }
     return residuals;

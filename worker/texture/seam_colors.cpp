@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "worker/texture/bilinear.hpp"
+#include "worker/base/bilinear.hpp"
 
 namespace divemesh::texture {
 namespace {
@@ -60,7 +60,8 @@ std::vector<std::vector<SeamSide>> sides_of_keyframes(const std::vector<Seam>& s
 void sample_side(const cv::Mat& image, const SeamSide& at, SeamColors& colors) {
     const Seam& seam = colors.seams[at.seam];
     for (std::uint32_t i = 0; i < seam.num_samples; ++i) {
-        const Eigen::Vector3f color = bilinear_color(image, seam.pixel(at.side, seam.along(i)));
+        const Eigen::Vector3f color =
+            base::bilinear_color(image, seam.pixel(at.side, seam.along(i)));
         cv::Vec3b& sample = colors.samples[at.side][seam.first_sample + i];
         for (int channel = 0; channel < 3; ++channel)
             sample[channel] = cv::saturate_cast<std::uint8_t>(color[channel]);

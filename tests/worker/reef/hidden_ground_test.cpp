@@ -6,6 +6,7 @@
 #include "tests/worker/reef/sheets.hpp"
 #include "worker/reef/area_plane.hpp"
 #include "worker/reef/dilate_steps.hpp"
+#include "worker/reef/displace_steps.hpp"
 #include "worker/reef/fill_gaps.hpp"
 #include "worker/reef/heights.hpp"
 #include "worker/reef/measure_areas.hpp"
@@ -93,6 +94,52 @@ TEST(DilateSteps, GroundBelow45DegreesStaysUnchanged) {
     const HeightGrid grid = grid_of(slope, 40, 0.01);
     for (const double outwards_m : {0.03, -0.03})
         EXPECT_EQ(with_steps_dilated(grid, outwards_m).heights_m, grid.heights_m);
+}
+
+// Returns the centre of what rises above the plane, by its heights.
+Eigen::Vector2d centre_of(const HeightGrid& grid) {
+    Eigen::Vector2d sum = Eigen::Vector2d::Zero();
+    double height = 0.0;
+    for (int row = 0; row < grid.shape.num_rows; ++row)
+        for (int column = 0; column < grid.shape.num_columns; ++column) {
+            sum +=
+                grid.at(column, row) * Eigen::Vector2d(grid.shape.x_m(column), grid.shape.y_m(row));
+            height += grid.at(column, row);
+        }
+    return sum / height;
+}
+
+// The field is alike over far more than the block, which moves as a whole: by a normal number of
+// this deviation along each axis.
+TEST(DisplaceSteps, ABlockMovesByTheDeviation) {
+    const auto block = [](double x, double y) {
+        return x > 0.195 && x < 0.395 && y > 0.195 && y < 0.395 ? 0.5 : 0.0;
+    };
+    const HeightGrid grid = grid_of(block, 120, 0.005);
+    constexpr int kNum = 60;
+    double sum_m2 = 0.0;
+    for (std::uint64_t seed = 0; seed < kNum; ++seed) {
+        const HeightGrid moved = with_steps_displaced(grid, {0.02, 5.0, seed});
+        EXPECT_NEAR(volume_over_plane(moved), volume_over_plane(grid), 0.03 * 0.02);
+        sum_m2 += (centre_of(moved) - centre_of(grid)).squaredNorm();
+    }
+    EXPECT_NEAR(std::sqrt(sum_m2 / (2.0 * kNum)), 0.02, 0.0045);  // 2.5 sigma of 120 numbers
+}
+
+TEST(DisplaceSteps, GroundBelow45DegreesStaysUnchanged) {
+    const auto slope = [](double x, double y) { return 0.6 * x - 0.3 * y; };
+    const HeightGrid grid = grid_of(slope, 40, 0.01);
+    EXPECT_EQ(with_steps_displaced(grid, {0.03, 0.05, 7}).heights_m, grid.heights_m);
+}
+
+TEST(DisplaceSteps, UnseenNodesStayUnseenAndHideNothing) {
+    HeightGrid step = grid_of([](double x, double) { return x < 0.2 ? 0.3 : 0.0; }, 41, 0.01);
+    for (int row = 0; row < 41; ++row)
+        for (int column = 20; column < 26; ++column)
+            step.heights_m[step.shape.index(column, row)] = kUnseen_m;
+    const HeightGrid moved = with_steps_displaced(step, {0.02, 0.05, 3});
+    for (std::size_t i = 0; i < step.heights_m.size(); ++i)
+        EXPECT_EQ(moved.heights_m[i] > kUnseen_m, step.heights_m[i] > kUnseen_m);
 }
 
 // Returns blocks of 10 cm on flat ground. Seen from one side, a strip of 3 cm of ground behind each

@@ -10,8 +10,8 @@
 
 #include "schemas/error.hpp"
 #include "tests/synthetic/ideal_rig.hpp"
+#include "worker/base/bilinear.hpp"
 #include "worker/mesh/triangle_pixels.hpp"
-#include "worker/texture/bilinear.hpp"
 #include "worker/texture/shared_edges.hpp"
 
 namespace divemesh::texture {
@@ -137,7 +137,7 @@ Eigen::Vector3d look_up(const types::Texture& texture,
     for (std::size_t k = 0; k < 3; ++k) uv += weights[k] * texture.uv[triangle][k];
     const Eigen::Vector2f place(uv.x() * static_cast<float>(atlas.cols) - 0.5F,
                                 uv.y() * static_cast<float>(atlas.rows) - 0.5F);
-    return bilinear_color(atlas, place).cast<double>();
+    return base::bilinear_color(atlas, place).cast<double>();
 }
 
 Eigen::Vector3d look_up_center(const types::Texture& texture, std::size_t triangle) {
@@ -207,8 +207,9 @@ TEST(TextureMesh, StepsOfBackscatterVanishAndTheMeanStays) {
     for (std::size_t i = 0; i < scene.mesh.triangles.size(); ++i) {
         const Eigen::Vector2d pixel =
             photographs.pixel(scene.views[i], scene.center(i).cast<float>()).value();
-        drift += look_up_center(texture, i) -
-                 bilinear_color(scene.images[scene.views[i]], pixel.cast<float>()).cast<double>();
+        drift +=
+            look_up_center(texture, i) -
+            base::bilinear_color(scene.images[scene.views[i]], pixel.cast<float>()).cast<double>();
     }
     drift /= static_cast<double>(scene.mesh.triangles.size());
     EXPECT_LE(drift.cwiseAbs().maxCoeff(), 1.0);

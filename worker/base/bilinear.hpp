@@ -5,7 +5,7 @@
 #include <cmath>
 #include <opencv2/core/mat.hpp>
 
-namespace divemesh::texture {
+namespace divemesh::base {
 
 // Calls visit(pixel, weight) for the four pixels (cv::Point) around a place in an image (centres at
 // integers, moved inside), with their weights in bilinear interpolation.
@@ -35,4 +35,4 @@ inline Eigen::Vector3f bilinear_color(const cv::Mat& image, const Eigen::Vector2
     return color;
 }
 
-}  // namespace divemesh::texture
+}  // namespace divemesh::base
