@@ -79,8 +79,7 @@ void add_middles(const std::vector<Edge>& edges, types::Mesh& mesh) {
     });
 }
 
-// Adds the parts of a triangle, `corners[0]` to `corners[1]` being one of its halved sides if any
-// is.
+// Adds the parts of a triangle. If any side is halved, that from the first corner to the second is.
 void add_parts(const Triangle& corners,
                const std::array<std::optional<std::uint32_t>, 3>& middles,
                std::vector<Triangle>& parts) {
