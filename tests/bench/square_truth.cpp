@@ -53,7 +53,7 @@ void for_each_part(const std::array<Eigen::Vector3d, 3>& triangle, const Visit& 
 bool is_seen(const Eigen::Vector3d& point,
              const evaluation::SurfaceIndex& surface,
              const std::vector<Eigen::Vector3d>& cameras) {
-    constexpr double kOwnSurface_m = 0.002;
+    constexpr double kOwnSurface_m = 0.0005;
     return std::any_of(cameras.begin(), cameras.end(), [&](const Eigen::Vector3d& camera) {
         const double distance_m = (camera - point).norm();
         const Eigen::Vector3d direction = (camera - point) / distance_m;
