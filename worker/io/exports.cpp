@@ -136,11 +136,21 @@ std::vector<std::string> export_las(const ReconstructionFolder& reconstruction,
     return {"surface.las"};
 }
 
+// Removes the tiles of an earlier export, which may have had more of them.
+void remove_tiles(const std::filesystem::path& folder) {
+    if (!std::filesystem::is_directory(folder)) return;
+    std::vector<std::filesystem::path> tiles;
+    for (const auto& file : std::filesystem::directory_iterator(folder))
+        if (file.path().extension() == ".glb") tiles.push_back(file.path());
+    for (const std::filesystem::path& tile : tiles) std::filesystem::remove(tile);
+}
+
 std::vector<std::string> export_tiles(const ReconstructionFolder& reconstruction,
                                       const std::optional<types::GeographicPosition>& position,
                                       const nlohmann::json& certificate,
                                       const std::filesystem::path& out) {
     require_surface(reconstruction, "mesh.ply");
+    remove_tiles(out / "tiles");
     write_tiles(out / "tiles",
                 reconstruction.mesh(),
                 {.position = position, .text = description_text(certificate, position)});

@@ -268,6 +268,18 @@ TEST_F(ExportsOfAFolderTest, PointsWithoutAColourAreGrey) {
     EXPECT_EQ(read_ply(file("out/nerfstudio/points.ply")).colors[0], (types::Color{128, 128, 128}));
 }
 
+TEST_F(ExportsOfAFolderTest, TilesOfAnEarlierExportAreRemoved) {
+    std::filesystem::create_directories(file("out/tiles"));
+    write("out/tiles/0123.glb", "of a larger mesh");
+    write("out/tiles/notes.txt", "mine");
+
+    export_reconstruction(open(), {ExportFormat::Tiles}, std::nullopt, file("out"));
+
+    EXPECT_FALSE(std::filesystem::exists(file("out/tiles/0123.glb")));
+    EXPECT_TRUE(std::filesystem::exists(file("out/tiles/tileset.json")));
+    EXPECT_TRUE(std::filesystem::exists(file("out/tiles/notes.txt")));
+}
+
 TEST_F(ExportsOfAFolderTest, TheNextReconstructionRemovesThem) {
     write_tum(file("trajectory.tum"), two_poses());
     export_reconstruction(open(),
