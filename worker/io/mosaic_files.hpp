@@ -20,7 +20,7 @@ namespace divemesh::io {
 //   mosaic.tfw, heights.tfw                      their world files
 //   mosaic.png, mosaic.pgw   a preview of at most 4096 pixels a side, placed in the world frame
 //   mosaic.json              the pixels of preview and GeoTIFFs in the world frame
-// In memory are a few hundred rows. Throws as GeotiffWriter does.
+// A few hundred rows are in memory. Throws as GeotiffWriter does.
 class MosaicWriter {
 public:
     MosaicWriter(const std::filesystem::path& folder,

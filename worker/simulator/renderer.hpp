@@ -109,7 +109,8 @@ private:
     Eigen::Vector3f to_sun_;
     BakedLight light_;
     std::array<Rays, 2> rays_;
-    // Of each triangle, whether an image showed it, and camera 0 within the reference's range.
+    // Whether an image showed a triangle, and whether camera 0 did within the range of the
+    // reference.
     std::vector<std::atomic<bool>> seen_;
     std::vector<std::atomic<bool>> in_reference_;
 };
