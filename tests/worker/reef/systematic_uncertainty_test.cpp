@@ -70,7 +70,8 @@ TEST(SystematicUncertainty, WhereAStepLiesCountsForItsVolume) {
     MeasureOptions options;
     options.num_replicates = 8;
     options.scale_sigma = 0.0;
-    options.min_detail_m = 0.03465;  // a standard deviation of 20 mm over 60 cm of a wall 50 cm high
+    options.min_detail_m =
+        0.03465;  // a standard deviation of 20 mm over 60 cm of a wall 50 cm high
     const json volume =
         metric_of(measure_areas(sheet(0.6, 0.01, wall), set, options), "q", "volume");
     const double half_width = 0.5 * (volume["high"].get<double>() - volume["low"].get<double>());
