@@ -4,7 +4,6 @@
 //     divemesh_pictures RESULT OUT
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -16,6 +15,7 @@
 #include "schemas/error.hpp"
 #include "tests/bench/draw_mesh.hpp"
 #include "worker/io/mesh_reader.hpp"
+#include "worker/io/raster_reader.hpp"
 #include "worker/io/reconstruction_folder.hpp"
 #include "worker/stats/quantile.hpp"
 
@@ -58,12 +58,8 @@ void draw_meshes(const fs::path& result, const fs::path& out) {
     save(out / "mesh_close.png", draw_mesh(shown, close_view(shown.mesh, oblique)));
 }
 
-// Returns heights from low, blue, to high, red; black where there are none. Integers have 0 there,
-// floats no number.
-cv::Mat colored_heights(const cv::Mat& stored) {
-    cv::Mat heights;
-    stored.convertTo(heights, CV_32F);
-    if (stored.depth() != CV_32F) heights.setTo(std::nanf(""), stored == 0);
+// Returns heights from low, blue, to high, red; black where they are NaN. Some must not be.
+cv::Mat colored_heights(cv::Mat heights) {
     const cv::Mat is_known = heights == heights;
     std::vector<double> sorted;
     for (int row = 0; row < heights.rows; ++row)
@@ -86,8 +82,9 @@ void draw_rasters(const fs::path& result, const fs::path& out) {
     const nlohmann::json mosaic = io::ReconstructionFolder(result).mosaic();
     save(out / "mosaic.png",
          reduced(read_image(result / mosaic.at("color_file").get<std::string>())));
-    const std::string heights = mosaic.at("elevation").at("file").get<std::string>();
-    save(out / "heights.png", reduced(colored_heights(read_image(result / heights))));
+    const auto heights = mosaic.at("geotiff").at("heights_file").get<std::string>();
+    io::RasterReader reader(result / heights, kMaxSide_px);
+    save(out / "heights.png", colored_heights(reader.rows(0, reader.size().height)));
 }
 
 }  // namespace
