@@ -7,6 +7,7 @@
 #include "worker/base/text.hpp"
 #include "worker/io/exports.hpp"
 #include "worker/io/geographic_frame.hpp"
+#include "worker/io/mosaic_files.hpp"
 
 namespace divemesh::reef {
 namespace {
@@ -32,35 +33,19 @@ std::string size_text(const Eigen::Vector2d& size_px) {
     return base::fixed(size_px.x(), 0) + " x " + base::fixed(size_px.y(), 0) + " pixels";
 }
 
-// The mosaic from above, as mosaic.json describes it.
-struct MosaicFrame {
-    Eigen::Vector2d size_px = Eigen::Vector2d::Zero();
-    Eigen::Vector2d corner_m = Eigen::Vector2d::Zero();
-    double pixel_m = 0.0;
-};
-
-MosaicFrame mosaic_frame(const io::ReconstructionFolder& reconstruction) try {
-    const nlohmann::json mosaic = reconstruction.mosaic();
-    return {{mosaic.at("width_px").get<double>(), mosaic.at("height_px").get<double>()},
-            {mosaic.at("corner_x_m").get<double>(), mosaic.at("corner_y_m").get<double>()},
-            mosaic.at("pixel_m").get<double>()};
-} catch (const nlohmann::json::exception& error) {
-    throw Error(ErrorCode::BadData,
-                (reconstruction.path() / "mosaic.json").string() + ": " + error.what());
-}
-
 // Returns the side of a pixel of the image that was drawn on, m. It may be the mosaic in another
 // resolution, but not another image.
-double drawn_pixel_m(const OutlineFile& file, const MosaicFrame& mosaic) {
+double drawn_pixel_m(const OutlineFile& file, const types::RasterGrid& mosaic) {
     constexpr double kMaxScaleError = 0.01;  // of a pixel size that a person typed
     const Eigen::Vector2d drawn_px = file.image_size_px;
     if (!(drawn_px.minCoeff() >= 1.0)) return mosaic.pixel_m;
-    const Eigen::Vector2d ratio = mosaic.size_px.cwiseQuotient(drawn_px);
-    const double rounding = 1.0 / std::min(mosaic.size_px.minCoeff(), drawn_px.minCoeff());
+    const Eigen::Vector2d mosaic_px(mosaic.width_px, mosaic.height_px);
+    const Eigen::Vector2d ratio = mosaic_px.cwiseQuotient(drawn_px);
+    const double rounding = 1.0 / std::min(mosaic_px.minCoeff(), drawn_px.minCoeff());
     if (std::abs(ratio.x() / ratio.y() - 1.0) > rounding)
         throw Error(ErrorCode::BadData,
                     "it was drawn on an image of " + size_text(drawn_px) +
-                        ", but the mosaic of this reconstruction has " + size_text(mosaic.size_px) +
+                        ", but the mosaic of this reconstruction has " + size_text(mosaic_px) +
                         ": draw on this mosaic");
     const double pixel_m = mosaic.pixel_m * ratio.x();
     if (file.pixel_m > 0.0 && std::abs(file.pixel_m / pixel_m - 1.0) > kMaxScaleError)
@@ -73,11 +58,13 @@ double drawn_pixel_m(const OutlineFile& file, const MosaicFrame& mosaic) {
 }
 
 void place_from_pixels(OutlineFile& file, const io::ReconstructionFolder& reconstruction) {
-    const MosaicFrame mosaic = mosaic_frame(reconstruction);
+    const types::RasterGrid mosaic =
+        io::mosaic_grid_of(reconstruction.mosaic(), reconstruction.path() / "mosaic.json");
+    const Eigen::Vector2d corner_m(mosaic.corner_x_m, mosaic.corner_y_m);
     const double pixel_m = drawn_pixel_m(file, mosaic);
     for (Outline& outline : file.outlines)
         for (Eigen::Vector2d& point : outline.points)
-            point = mosaic.corner_m + pixel_m * Eigen::Vector2d(point.x() + 0.5, -point.y() - 0.5);
+            point = corner_m + pixel_m * Eigen::Vector2d(point.x() + 0.5, -point.y() - 0.5);
 }
 
 }  // namespace

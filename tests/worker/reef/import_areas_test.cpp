@@ -30,9 +30,11 @@ protected:
         io::write_ply(folder_ / "mesh.ply",
                       sheet(1.0, 0.01, [](double x, double) { return 0.2 * x; }));
         write("metrics.json", "{}");
-        write("mosaic.json",
-              R"({"pixel_m": 0.01, "width_px": 100, "height_px": 50, "corner_x_m": 0,
-                  "corner_y_m": 0.8})");
+        write(
+            "mosaic.json",
+            R"({"pixel_m": 0.02, "width_px": 50, "height_px": 25, "corner_x_m": 0, "corner_y_m": 0.8,
+              "geotiff": {"pixel_m": 0.01, "width_px": 100, "height_px": 50, "corner_x_m": 0,
+                          "corner_y_m": 0.8}})");
     }
     void write(const std::string& name, const std::string& text) const {
         std::ofstream(folder_ / name, std::ios::binary) << text;
