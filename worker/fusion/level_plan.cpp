@@ -55,7 +55,10 @@ LevelPlan LevelPlan::load(base::BinaryReader& file) {
 }
 
 LevelPlanner::LevelPlanner(const types::RectifiedRig& rig, double voxel_m, double median_depth_m)
-    : rig_(rig), voxel_m_(voxel_m), median_depth_m_(median_depth_m) {}
+    : rig_(rig),
+      voxel_m_(voxel_m),
+      median_depth_m_(median_depth_m),
+      farthest_m_(farthest_surface_m(rig, median_depth_m)) {}
 
 void LevelPlanner::add(const Eigen::Isometry3d& T_world_cam,
                        const cv::Mat& disparity_px,
@@ -66,6 +69,7 @@ void LevelPlanner::add(const Eigen::Isometry3d& T_world_cam,
             const float disparity = disparity_px.at<float>(row, column);
             if (disparity <= 0.0F) continue;
             const double depth_m = rig_.depth_m(disparity);
+            if (depth_m > farthest_m_) continue;
             const int level = relative_level(rig_, median_depth_m_, depth_m);
             coarsest_ = std::max(coarsest_, level);
             const Eigen::Vector3d p_world =

@@ -85,6 +85,7 @@ private:
     types::RectifiedRig rig_;
     double voxel_m_;
     double median_depth_m_;
+    double farthest_m_;  // farther depths make no surface at any level
     int num_frames_ = 0;
     int coarsest_ = 0;
     Seen seen_;  // by relative levels

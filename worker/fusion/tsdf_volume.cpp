@@ -38,9 +38,9 @@ float min_weight(double voxel_m) {
     return 1.0F / (sigma_m * sigma_m);
 }
 
-// Returns tolerated_voxels() of a level, m.
-double tolerated_voxel_m(const VolumeSettings& settings, int level) {
-    return settings.median_voxel_m() * tolerated_voxels(level - settings.levels->median_level());
+double tolerated_voxel_at(const VolumeSettings& settings, int level) {
+    return tolerated_voxel_m(
+        settings.rig, settings.median_voxel_m(), level - settings.levels->median_level());
 }
 
 float truncation_m(const TsdfView& view, float sigma) {
@@ -86,7 +86,7 @@ TsdfView view_of(const types::Keyframe& keyframe,
     view.t_cam_world = T_cam_world.translation();
     view.voxel_m = static_cast<float>(std::ldexp(settings.voxel_m, level));
     view.max_depth_m = static_cast<float>(settings.max_depth_m);
-    view.max_sigma_m = static_cast<float>(kMaxSigma_voxels * tolerated_voxel_m(settings, level));
+    view.max_sigma_m = static_cast<float>(kMaxSigma_voxels * tolerated_voxel_at(settings, level));
     view.depth_sigma_scale = static_cast<float>(1.0 / (rig.focal_px * rig.baseline_m));
     return view;
 }
@@ -112,7 +112,7 @@ TsdfVolume::TsdfVolume(VolumeSettings settings)
       regions_(static_cast<std::size_t>(settings_.levels->num_levels())),
       samples_(settings_.spill) {
     for (int level = 0; level < settings_.levels->num_levels(); ++level)
-        min_weight_.push_back(min_weight(tolerated_voxel_m(settings_, level)));
+        min_weight_.push_back(min_weight(tolerated_voxel_at(settings_, level)));
 }
 
 void TsdfVolume::add(const types::Keyframe& keyframe, const DepthView& depth) {

@@ -16,20 +16,22 @@ double choose_max_depth_m(const types::RectifiedRig& rig, double voxel_m);
 inline constexpr double kMaxSigma_voxels = 6.0;       // of a depth that may make surface
 inline constexpr double kMinDisparitySigma_px = 0.1;  // lower bound of all stated values
 
-// Returns the voxel by which the noise of surface is judged at a level, in voxels of the median
-// depth. At finer levels it is that one, as such surface was seen from farther away too. At coarser
-// ones it grows by a fifth per level: with all of the level's voxel 4.2 % of the barge are farther
-// than 50 mm from the truth, with this 1.8 % (without levels 1.7 %), with that of the median depth
-// alone 4 % of what lies within 20 mm are lost.
-double tolerated_voxels(int num_coarser);
+// Returns the voxel by which the noise of surface is judged at a level, m: at finer levels than
+// that of the median depth its `median_voxel_m`, as such surface was seen from farther away too. At
+// coarser ones it grows by a fifth per level: with all of the level's voxel 4.2 % of the barge are
+// farther than 50 mm from the truth, with this 1.8 % (without levels 1.7 %), with that of the
+// median depth alone 4 % of what lies within 20 mm are lost. Where most of a dive is near that
+// would leave out a hall 5 m away, so that a standard deviation of 1.5 % of the level's depth is
+// always allowed.
+double tolerated_voxel_m(const types::RectifiedRig& rig, double median_voxel_m, int num_coarser);
 
 // Returns the depth beyond which voxels chosen for the median depth make no surface at any level:
 // the standard deviation of the depth is there at least six of the largest voxels by which it is
-// judged, which are 1.7 of those at the median depth (TsdfVolume).
+// judged (TsdfVolume).
 double farthest_surface_m(const types::RectifiedRig& rig, double median_depth_m);
 
 inline constexpr int kMinRelativeLevel = -6;
-inline constexpr int kMaxRelativeLevel = 3;
+inline constexpr int kMaxRelativeLevel = 5;
 
 // Returns how often the voxel of the median depth is to be doubled (below 0: halved) for surface at
 // a depth: as 2.5 pixels grow there, or half the standard deviation of the depth.

@@ -97,6 +97,25 @@ TEST_F(FloorSeenNearAndFar, IsAsGoodNearAsIfNothingHadBeenSeenFromFar) {
     }
 }
 
+// The far views are twelve times as far away as the median depth, where 0.1 px are 1.5 % of the
+// depth.
+TEST_F(FloorSeenNearAndFar, IsSurfaceFarFromTheMedianDepthToo) {
+    const types::RectifiedRig rig = small_rig();
+    const double far_m = 0.015 * rig.focal_px * rig.baseline_m / kSigma_px;
+    const double near_m = far_m / 12.0;
+    auto both = poses(near_m, -0.1);
+    for (const auto& pose : poses(far_m, 0.0)) both.push_back(pose);
+    const SceneDistance floor = [](const Eigen::Vector3d& p) { return p.z(); };
+    const types::Mesh mesh = surface_of(*fuse(floor, both, near_m), options_with(1));
+    // Beyond what the near views see.
+    const double near_half_m = near_m * 0.5 * rig.width_px / rig.focal_px + 0.2;
+    std::vector<double> heights_m;
+    for (const auto& vertex : mesh.vertices)
+        if (std::abs(vertex.x()) > near_half_m) heights_m.push_back(std::abs(vertex.z()));
+    ASSERT_GT(heights_m.size(), 200U);
+    EXPECT_LT(stats::upper_median(heights_m), 0.015 * far_m);
+}
+
 TEST_F(FloorSeenNearAndFar, IsOneSurfaceWithoutCracks) {
     auto all = poses(kNear_m, -0.1);
     for (const auto& pose : poses(kFar_m, 0.0)) all.push_back(pose);

@@ -463,7 +463,7 @@ TEST(ChooseVoxel, IsAboutACentimetreAtTwoMetresForARigOfAHandsBreadth) {
 }
 
 // At each level a view makes surface up to two limits: the depth that is chosen for its voxels, and
-// the one at which 0.1 px of disparity are six voxels, which grow by a fifth per level.
+// the one at which 0.1 px of disparity are six voxels, which grow by a fifth per level at least.
 TEST(FarthestSurface, IsBeyondTheLimitsOfEveryLevel) {
     const types::RectifiedRig rig = synthetic::ideal_rig(640, 480, 495.0);
     for (const double median_m : {0.3, 1.0, 2.0, 5.0})
@@ -474,6 +474,28 @@ TEST(FarthestSurface, IsBeyondTheLimitsOfEveryLevel) {
                                                 rig.focal_px * rig.baseline_m / 0.1);
             EXPECT_GE(farthest_surface_m(rig, median_m), std::min(by_depth_m, by_sigma_m));
         }
+}
+
+// A dive mostly near its ground looks up into a hall: what 0.15 px of disparity tell to 1.5 % of
+// its distance is surface there, whatever the median depth.
+TEST(FarthestSurface, IsWhereTheDepthIsKnownToAShareOfItselfThoughMostOfTheDiveIsNear) {
+    const types::RectifiedRig rig = synthetic::ideal_rig(640, 480, 495.0);
+    const double known_m = 0.015 * rig.focal_px * rig.baseline_m / 0.15;
+    for (const double median_m : {0.5, 0.7, 1.0, 2.0}) {
+        EXPECT_GE(farthest_surface_m(rig, median_m), known_m) << median_m;
+        const int level = relative_level(rig, median_m, known_m);
+        EXPECT_GE(6.0 * tolerated_voxel_m(rig, choose_voxel_m(rig, median_m), level),
+                  0.7 * 0.015 * known_m)
+            << median_m;
+    }
+}
+
+TEST(ToleratedVoxel, IsThatOfTheMedianDepthAtFinerLevelsAndGrowsWithCoarserOnes) {
+    const types::RectifiedRig rig = synthetic::ideal_rig(640, 480, 495.0);
+    for (int level = kMinRelativeLevel; level <= 0; ++level)
+        EXPECT_EQ(tolerated_voxel_m(rig, 0.01, level), 0.01);
+    for (int level = 1; level <= kMaxRelativeLevel; ++level)
+        EXPECT_GT(tolerated_voxel_m(rig, 0.01, level), tolerated_voxel_m(rig, 0.01, level - 1));
 }
 
 }  // namespace
