@@ -67,6 +67,7 @@ void add_mesh(CLI::App& parent, Context& context) {
         evaluation::MeshEvaluationRequest request;
         std::filesystem::path estimate_trajectory;
         std::filesystem::path reference_trajectory;
+        std::filesystem::path scene;
     };
     auto options = std::make_shared<Options>();
     command
@@ -85,12 +86,17 @@ void add_mesh(CLI::App& parent, Context& context) {
                      "true trajectory in the reference's frame")
         ->needs(ours);
     ours->needs("--reference-trajectory");
+    command->add_option("--scene",
+                        options->scene,
+                        "all true surface that a camera saw (simulate writes scene.ply): the "
+                        "estimate is compared with it, the reference with the estimate");
     command->callback([options, &context] {
         context.command = [options, &context] {
             if (!options->estimate_trajectory.empty()) {
                 options->request.estimate_trajectory = options->estimate_trajectory;
                 options->request.reference_trajectory = options->reference_trajectory;
             }
+            if (!options->scene.empty()) options->request.scene = options->scene;
             return print(evaluation::evaluate_mesh(options->request), context);
         };
     });

@@ -120,6 +120,36 @@ TEST_F(CommandLineTest, EvaluatesATrajectoryAsEvoDoes) {
     EXPECT_NEAR(nlohmann::json::parse(outcome.out).at("ate_rmse_m").get<double>(), 1.303450, 5e-7);
 }
 
+// A strip of 1 x 4 m of which the reference shows the first half.
+TEST_F(CommandLineTest, AMeshIsFalseOnlyWhereTheSceneHasNothing) {
+    const auto strip = [&](const char* name, double length_m) {
+        const fs::path file = folder / name;
+        std::ofstream(file) << "v 0 0 0\nv " << length_m << " 0 0\nv " << length_m
+                            << " 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+        return file.string();
+    };
+    std::vector<std::string> arguments = {"evaluate",
+                                          "mesh",
+                                          "--json",
+                                          "--estimate",
+                                          strip("ours.obj", 4.0),
+                                          "--reference",
+                                          strip("reference.obj", 2.0)};
+    const auto false_share = [&] {
+        const Outcome outcome = run(arguments);
+        EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+        return nlohmann::json::parse(outcome.out).at("false_share_50mm").get<double>();
+    };
+    EXPECT_NEAR(false_share(), 1.95 / 4.0, 2e-3);
+    arguments.insert(arguments.end(), {"--scene", strip("scene.obj", 4.0)});
+    EXPECT_EQ(false_share(), 0.0);
+    std::ofstream(folder / "points.obj") << "v 0 0 0\nv 1 0 0\n";
+    arguments.back() = (folder / "points.obj").string();
+    const Outcome refused = run(arguments);
+    EXPECT_EQ(refused.exit_code, 1);
+    EXPECT_NE(refused.err.find("no triangles"), std::string::npos) << refused.err;
+}
+
 TEST_F(CommandLineTest, AReportEndsWithThreeWhenARequirementIsNotMet) {
     std::ofstream(folder / "metrics.json") << R"({"frames": {"coverage": 0.5}})";
     std::ofstream(folder / "trajectory.tum") << "1 0 0 0 0 0 0 1\n2 1 0 0 0 0 0 1\n";

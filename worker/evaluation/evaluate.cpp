@@ -77,6 +77,14 @@ nlohmann::json evaluate_mesh(const MeshEvaluationRequest& request) {
         for (const types::StampedPose& pose : estimated.poses)
             input.camera_positions_world.push_back(pose.T_world_imu.translation());
     }
+    const types::Mesh scene = request.scene ? io::read_mesh(*request.scene) : types::Mesh{};
+    if (request.scene) {
+        if (scene.triangles.empty())
+            throw Error(ErrorCode::BadData,
+                        request.scene->string() +
+                            " has no triangles: give all true surface that a camera saw as a mesh");
+        input.scene = &scene;
+    }
     return to_metrics(
         surface_error(io::read_mesh(request.estimate), io::read_mesh(request.reference), input));
 }

@@ -29,6 +29,7 @@ struct MeshEvaluationRequest {
     // out. With neither, the meshes share a frame.
     std::optional<std::filesystem::path> estimate_trajectory;
     std::optional<std::filesystem::path> reference_trajectory;
+    std::optional<std::filesystem::path> scene;  // a mesh, SurfaceErrorInput::scene
 };
 
 // `divemesh evaluate mesh`: returns the metrics of metrics.json's surface.
