@@ -32,6 +32,8 @@ constexpr double kMinRotation_rad = 4e-3;
 // Noise that both measure as rotation looks like information about clock and axes: the derivatives
 // of the least squares contain the gyroscope's. With less motion than this nothing is estimated.
 constexpr double kMinSignalToNoise = 4.0;
+// Rotations in a row whose errors may be correlated: they share landmarks and what moves in them.
+constexpr std::size_t kCorrelated = 12;
 
 struct State {
     double offset_s = 0.0;
@@ -79,6 +81,30 @@ public:
         }
         const double sigma = scale(state);
         return std::min(variance(by_gyroscope), variance(by_vision)) / (3.0 * sigma * sigma);
+    }
+
+    // Returns how many rotations count as one, 1 or more: the sum of the autocorrelation of the
+    // residuals in both directions, with a Bartlett window over kCorrelated rotations (Newey and
+    // West 1987). Motion changes more slowly, so that it is the factor of all variances.
+    double num_correlated(const State& state) const {
+        std::vector<Eigen::Vector3d> residuals;
+        const double sigma = scale(state);
+        for (const TimedRotation& rotation : rotations_) {
+            const Eigen::Vector3d r = residual(state, rotation);
+            residuals.push_back(std::min(1.0, kHuber * sigma / std::max(r.norm(), 1e-12)) * r);
+        }
+        const auto covariance = [&](std::size_t lag) {
+            double sum = 0.0;
+            for (std::size_t i = lag; i < residuals.size(); ++i)
+                sum += residuals[i].dot(residuals[i - lag]);
+            return sum;
+        };
+        const double variance = std::max(covariance(0), 1e-20);
+        double num = 1.0;
+        for (std::size_t lag = 1; lag < std::min(kCorrelated, residuals.size()); ++lag)
+            num += 2.0 * (1.0 - static_cast<double>(lag) / static_cast<double>(kCorrelated)) *
+                   covariance(lag) / variance;
+        return std::max(1.0, num);
     }
 
     // Does one Gauss-Newton step and returns the covariance. The time offset changes only if
@@ -240,6 +266,7 @@ std::optional<AlignmentEstimate> estimate_alignment(const std::vector<types::Imu
     if (fit.signal_to_noise(state) < kMinSignalToNoise) return std::nullopt;
     AlignmentEstimate estimate;
     estimate.alignment = {state.offset_s, state.q_body_imu};
+    covariance *= fit.num_correlated(state);
     estimate.time_offset_sigma_s = std::sqrt(covariance(0, 0));
     estimate.rotation_covariance = covariance.block<3, 3>(1, 1);
     estimate.gyroscope_bias_body = state.bias;

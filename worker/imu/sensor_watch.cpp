@@ -58,9 +58,9 @@ SensorWatch::SensorWatch(const types::Recording& recording,
                          const SensorsUsed& used,
                          const SensorPlan& plan)
     : plan_(plan),
-      samples_(used.imu
-                   ? shifted(without(plan.left_out.imu_times, recording.imu()), plan.time_offset_s)
-                   : std::vector<types::ImuSample>{}),
+      samples_(used.imu ? shifted(without(plan.left_out.imu_times, recording.imu()),
+                                  plan.alignment.time_offset_s)
+                        : std::vector<types::ImuSample>{}),
       orientations_(used.ahrs ? usable_orientations(recording, plan.left_out)
                               : std::vector<types::OrientationSample>{}),
       gravity_(samples_),
@@ -78,11 +78,12 @@ void SensorWatch::watch(const VisionMotion& motion, InertialPrior& inertial) {
     judge(inertial);
 }
 
-void SensorWatch::aligned(const types::ImuAlignment& alignment) {
+void SensorWatch::aligned(const types::ImuAlignment& alignment, std::size_t num_rotations) {
     if (plan_.left_out.imu || restart_) return;
-    if (std::abs(alignment.time_offset_s - plan_.time_offset_s) < kMaxCorrected_s) return;
+    if (std::abs(alignment.time_offset_s - plan_.alignment.time_offset_s) < kMaxCorrected_s) return;
     restart_ = plan_;
-    restart_->time_offset_s = alignment.time_offset_s;
+    restart_->alignment = alignment;
+    restart_->num_alignment_rotations = num_rotations;
 }
 
 void SensorWatch::lost_scene() {
@@ -125,7 +126,8 @@ void SensorWatch::take(const GyroscopeJudgement& judgement, InertialPrior& inert
         case GyroscopeFit::FitsShifted:
             if (confirmed_) return contradicted(judgement, inertial);
             start_again(true);
-            restart_->time_offset_s += judgement.time_offset_s;
+            restart_->alignment.time_offset_s += judgement.time_offset_s;
+            restart_->num_alignment_rotations = 0;
             restart_->gyroscope = judgement;
             return;
         case GyroscopeFit::Contradicts: return contradicted(judgement, inertial);
@@ -171,7 +173,7 @@ std::optional<SensorPlan> SensorWatch::restart_at_end() const {
     if (times.empty() && plan.left_out.ahrs == plan_.left_out.ahrs && ahrs.wrong_times.empty())
         return std::nullopt;
     if (!contradicted_.empty()) plan.gyroscope = first_contradiction_;
-    const std::int64_t shift_ns = base::to_ns(plan_.time_offset_s);
+    const std::int64_t shift_ns = base::to_ns(plan_.alignment.time_offset_s);
     for (types::TimeInterval& time : times) {
         time.from_ns += shift_ns;
         time.to_ns += shift_ns;

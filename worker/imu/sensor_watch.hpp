@@ -8,6 +8,7 @@
 #include "worker/imu/judge_accelerometer.hpp"
 #include "worker/imu/judge_ahrs.hpp"
 #include "worker/imu/judge_gyroscope.hpp"
+#include "worker/types/imu_alignment.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/sensors_left_out.hpp"
 
@@ -16,7 +17,8 @@ namespace divemesh::imu {
 // How the sensors of a dive are used while it is tracked.
 struct SensorPlan {
     types::SensorsLeftOut left_out;
-    double time_offset_s = 0.0;  // with which tracking starts, as in ImuAlignment
+    types::ImuAlignment alignment;            // with which tracking starts
+    std::size_t num_alignment_rotations = 0;  // that told it; 0: stated, or by correlation
     // The scene was lost before vision confirmed the IMU: vision works alone until it does.
     bool imu_unconfirmed = false;
     bool imu_confirmed = false;    // by an earlier attempt: it stays in use when the scene is lost
@@ -44,9 +46,10 @@ public:
     // Takes in a motion measured by vision alone. Leaves the IMU out of `inertial` for the time in
     // which it contradicts vision.
     void watch(const VisionMotion& motion, InertialPrior& inertial);
-    // Takes in the alignment that is used from now on. The dive starts again if the error of the
-    // clock offset so far was too large to be corrected while it is tracked.
-    void aligned(const types::ImuAlignment& alignment);
+    // Takes in the alignment that is used from now on, and how many rotations told it. The dive
+    // starts again if the error of the offset so far was too large to be corrected while it is
+    // tracked.
+    void aligned(const types::ImuAlignment& alignment, std::size_t num_rotations);
     // Takes in that vision lost the scene in a frame.
     void lost_scene();
 

@@ -12,11 +12,12 @@ constexpr std::size_t kMaxRotations = 600;
 
 ImuAligner::ImuAligner(const types::Recording& recording,
                        const types::SensorsLeftOut& left_out,
-                       double time_offset_s)
-    : start_s_(time_offset_s),
-      samples_(imu::aligned(imu::usable_rates(recording, left_out), {time_offset_s})) {
-    alignment_.time_offset_s = time_offset_s;
-}
+                       const types::ImuAlignment& start,
+                       std::size_t num_known)
+    : start_s_(start.time_offset_s),
+      num_known_(num_known),
+      samples_(imu::aligned(imu::usable_rates(recording, left_out), {start.time_offset_s})),
+      alignment_(start) {}
 
 void ImuAligner::watch(const imu::VisionMotion& motion, imu::InertialPrior& inertial) {
     if (!inertial.has_gyroscope() || rotations_.size() >= kMaxRotations) return;
@@ -25,6 +26,7 @@ void ImuAligner::watch(const imu::VisionMotion& motion, imu::InertialPrior& iner
     if (rotations_.size() < next_size_ || now_ns - rotations_.front().from_ns < kMinInterval_ns)
         return;
     next_size_ = rotations_.size() + rotations_.size() / 2;
+    if (rotations_.size() <= num_known_) return;
     const auto estimate = imu::estimate_alignment(samples_, rotations_);
     if (!estimate) return;
     types::ImuAlignment alignment{start_s_};
@@ -32,6 +34,7 @@ void ImuAligner::watch(const imu::VisionMotion& motion, imu::InertialPrior& iner
         alignment.time_offset_s += estimate->alignment.time_offset_s;
     if (estimate->rotation_is_significant()) alignment.q_body_imu = estimate->alignment.q_body_imu;
     alignment_ = alignment;
+    num_known_ = rotations_.size();
     inertial.align(alignment);
 }
 

@@ -14,19 +14,25 @@ namespace divemesh::odometry {
 // applied; the bundle adjustment of the whole dive estimates them again.
 class ImuAligner {
 public:
-    // Searches for time offsets near `time_offset_s`.
+    // Starts with an alignment that an earlier attempt learnt from `num_known` rotations (0: none)
+    // and searches for time offsets near its own. As many or fewer rotations do not change it: the
+    // first seconds of a slow dive may tell the same wrong offset whenever they are asked.
     explicit ImuAligner(const types::Recording& recording,
                         const types::SensorsLeftOut& left_out = {},
-                        double time_offset_s = 0.0);
+                        const types::ImuAlignment& start = {},
+                        std::size_t num_known = 0);
 
     // Adds a rotation by vision alone. Corrects `inertial` when the rotations so far are
     // significant: after two seconds, and whenever their number has grown by half.
     void watch(const imu::VisionMotion& motion, imu::InertialPrior& inertial);
 
     const types::ImuAlignment& alignment() const { return alignment_; }
+    // Returns how many rotations told it.
+    std::size_t num_rotations() const { return num_known_; }
 
 private:
     double start_s_ = 0.0;  // time offset already taken out of the samples
+    std::size_t num_known_ = 0;
     std::vector<types::ImuSample> samples_;
     std::vector<imu::VisionRotation> rotations_;
     std::size_t next_size_ = 40;

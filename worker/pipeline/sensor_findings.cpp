@@ -13,6 +13,7 @@ namespace {
 constexpr const char* kImuTable = "mav0/imu0/data.csv";
 constexpr const char* kAhrsTable = "mav0/ahrs0/data.csv";
 constexpr const char* kPressureTable = "mav0/pressure0/data.csv";
+constexpr double kMinToldOffset_s = 1e-3;  // of two clocks
 
 std::string percent(double share) { return base::fixed(100.0 * share, 0) + " %"; }
 
@@ -253,7 +254,8 @@ std::vector<Finding> sensor_findings(const imu::SensorPlan& plan) {
                                                                 : imu_left_out(plan.gyroscope));
         return findings;
     }
-    if (plan.time_offset_s != 0.0) findings.push_back(clock_offset(plan.time_offset_s));
+    if (std::abs(plan.alignment.time_offset_s) >= kMinToldOffset_s)
+        findings.push_back(clock_offset(plan.alignment.time_offset_s));
     if (!plan.left_out.imu_times.empty()) findings.push_back(imu_left_out_for_a_time(plan));
     if (plan.left_out.accelerometer && !plan.accelerometer_clipped)
         findings.push_back(plan.gravity_disagreement_m_s2 > 0.0

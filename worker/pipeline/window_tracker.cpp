@@ -32,13 +32,13 @@ WindowTracker::WindowTracker(const types::RectifiedRig& rig,
     : state_(rig, recording, options, plan),
       recovery_(state_),
       rest_(rig, state_.inertial, state_.motion),
-      aligner_(recording, plan.left_out, plan.time_offset_s),
+      aligner_(recording, plan.left_out, plan.alignment, plan.num_alignment_rotations),
       sensors_(recording,
                {.imu = options.use_imu && recording.rig().imu_noise, .ahrs = options.use_ahrs},
                plan),
       mapping_rule_(rig, options.surface ? options.map_step : 0.0),
       last_frame_(recording.num_frames() - 1) {
-    if (plan.time_offset_s != 0.0) state_.inertial.align({plan.time_offset_s});
+    if (plan.alignment.time_offset_s != 0.0) state_.inertial.align(plan.alignment);
 }
 
 types::RectifiedFrame WindowTracker::synchronised(const types::RectifiedFrame& frame,
@@ -133,7 +133,7 @@ void WindowTracker::watch_sensors(const Observed& seen,
             before_ns, now_ns, Eigen::Quaterniond(motion->T_from_to.linear()));
     if (state_.options.align_imu) {
         aligner_.watch(*motion, state_.inertial);
-        sensors_.aligned(aligner_.alignment());
+        sensors_.aligned(aligner_.alignment(), aligner_.num_rotations());
     }
     sensors_.watch(*motion, state_.inertial);
 }

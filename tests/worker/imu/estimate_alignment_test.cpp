@@ -94,6 +94,40 @@ TEST(ImuAlignmentTest, LeavesAGoodCalibrationAlone) {
     EXPECT_FALSE(estimate->rotation_is_significant());
 }
 
+// Errors of consecutive rotations share landmarks: here each is the mean of eight independent ones.
+TEST(ImuAlignmentTest, ErrorsThatLastForSomeRotationsAreNotTakenForAnOffset) {
+    constexpr int kShared = 8, kNumDives = 100;
+    constexpr double kSigma_rad = 7e-4;
+    const std::vector<types::ImuSample> samples = gyroscope({});
+    int num_significant = 0;
+    double sum_squares = 0.0;
+    for (std::uint32_t seed = 1; seed <= kNumDives; ++seed) {
+        std::mt19937 random(seed);
+        std::normal_distribution<double> normal;
+        std::vector<VisionRotation> rotations = vision_rotations(0.0, 0.0);
+        rotations.resize(100);
+        std::vector<Eigen::Vector3d> errors(rotations.size() + kShared);
+        for (Eigen::Vector3d& error : errors)
+            error << normal(random), normal(random), normal(random);
+        for (std::size_t i = 0; i < rotations.size(); ++i) {
+            Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+            for (int k = 0; k < kShared; ++k) sum += errors[i + k];
+            rotations[i].q_from_to =
+                rotations[i].q_from_to *
+                base::rotation_from_vector(kSigma_rad / std::sqrt(double{kShared}) * sum);
+        }
+        const auto estimate = estimate_alignment(samples, rotations);
+        ASSERT_TRUE(estimate);
+        num_significant +=
+            estimate->time_offset_is_significant() || estimate->rotation_is_significant();
+        sum_squares +=
+            std::pow(estimate->alignment.time_offset_s / estimate->time_offset_sigma_s, 2);
+    }
+    EXPECT_LE(num_significant, kNumDives / 20);
+    EXPECT_LT(std::sqrt(sum_squares / kNumDives), 1.3);
+    EXPECT_GT(std::sqrt(sum_squares / kNumDives), 0.5);
+}
+
 TEST(ImuAlignmentTest, SaysNothingOfAnOffsetBeyondItsReach) {
     for (const double offset_s : {-0.09, 0.08, 0.09})
         EXPECT_FALSE(estimate_alignment(gyroscope(injected(offset_s, Eigen::Vector3d::Zero())),

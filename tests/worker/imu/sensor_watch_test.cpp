@@ -77,20 +77,21 @@ TEST(SensorWatchTest, AClockThatIsOffIsShifted) {
         watched(dive([](types::ImuSample& sample) { sample.timestamp_ns += 400'000'000; }));
     ASSERT_TRUE(seen.watch.restart());
     EXPECT_FALSE(seen.watch.restart()->left_out.imu);
-    EXPECT_NEAR(seen.watch.restart()->time_offset_s, 0.4, 0.01);
+    EXPECT_NEAR(seen.watch.restart()->alignment.time_offset_s, 0.4, 0.01);
 }
 
 TEST(SensorWatchTest, AnOffsetThatWasLearntLateIsUsedFromTheStart) {
     const synthetic::SensorRecording recording = dive(as_measured);
     SensorWatch watch(recording, {.imu = true, .ahrs = false}, {});
-    watch.aligned({.time_offset_s = 0.006});
+    watch.aligned({.time_offset_s = 0.006}, 40);
     EXPECT_FALSE(watch.restart());
-    watch.aligned({.time_offset_s = 0.025});
+    watch.aligned({.time_offset_s = 0.025}, 60);
     ASSERT_TRUE(watch.restart());
-    EXPECT_EQ(watch.restart()->time_offset_s, 0.025);
+    EXPECT_EQ(watch.restart()->alignment.time_offset_s, 0.025);
+    EXPECT_EQ(watch.restart()->num_alignment_rotations, 60U);
     EXPECT_FALSE(watch.restart()->left_out.imu);
     SensorWatch next(recording, {.imu = true, .ahrs = false}, *watch.restart());
-    next.aligned({.time_offset_s = 0.026});
+    next.aligned({.time_offset_s = 0.026}, 90);
     EXPECT_FALSE(next.restart());
 }
 

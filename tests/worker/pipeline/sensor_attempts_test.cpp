@@ -81,7 +81,7 @@ TEST_F(SensorAttemptsTest, AClockThatIsNeverRightEndsWithoutTheImu) {
     for (int attempt = 1; attempt <= 4; ++attempt) {
         EXPECT_FALSE(attempts.plan().left_out.imu) << attempt;
         imu::SensorWatch watch(recording_, {.imu = true, .ahrs = false}, attempts.plan());
-        watch.aligned({.time_offset_s = 0.03 * attempt});
+        watch.aligned({.time_offset_s = 0.03 * attempt}, 40);
         EXPECT_TRUE(attempts.again(watch, {}));
     }
     EXPECT_TRUE(attempts.plan().left_out.imu);

@@ -22,7 +22,7 @@ TEST(SensorFindingsTest, NamesTheMirroredAxis) {
 
 TEST(SensorFindingsTest, SaysOnWhichSideTheClockIs) {
     imu::SensorPlan plan;
-    plan.time_offset_s = -0.25;
+    plan.alignment.time_offset_s = -0.25;
     const auto findings = sensor_findings(plan);
     ASSERT_EQ(findings.size(), 1U);
     EXPECT_EQ(findings[0].code, "imu_clock_offset");
