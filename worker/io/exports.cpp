@@ -99,19 +99,26 @@ std::vector<std::string> export_posed_images(const ReconstructionFolder& reconst
     return {folder.filename().string()};
 }
 
-// Writes the textured mesh of mesh.glb, or mesh.ply if that has no texture.
+// Returns the textured mesh of mesh.glb, or without a texture the whole mesh of mesh.ply.
+TexturedMesh shown_mesh(const ReconstructionFolder& reconstruction) {
+    const std::filesystem::path glb = reconstruction.path() / "mesh.glb";
+    if (std::filesystem::exists(glb)) {
+        TexturedMesh shown = read_textured_glb(glb);
+        if (!shown.texture.jpegs.empty()) return shown;
+    }
+    require_surface(reconstruction, "mesh.ply");
+    return {reconstruction.mesh(), {}};
+}
+
+const StoredTexture* texture_or_null(const TexturedMesh& shown) {
+    return shown.texture.jpegs.empty() ? nullptr : &shown.texture;
+}
+
 std::vector<std::string> export_obj(const ReconstructionFolder& reconstruction,
                                     const std::string& remark,
                                     const std::filesystem::path& out) {
-    const std::filesystem::path glb = reconstruction.path() / "mesh.glb";
-    const TexturedMesh shown =
-        std::filesystem::exists(glb) ? read_textured_glb(glb) : TexturedMesh{};
-    if (!shown.texture.jpegs.empty()) {
-        write_obj_zip(out / "mesh_obj.zip", shown.mesh, &shown.texture, remark);
-    } else {
-        require_surface(reconstruction, "mesh.ply");
-        write_obj_zip(out / "mesh_obj.zip", reconstruction.mesh(), nullptr, remark);
-    }
+    const TexturedMesh shown = shown_mesh(reconstruction);
+    write_obj_zip(out / "mesh_obj.zip", shown.mesh, texture_or_null(shown), remark);
     return {"mesh_obj.zip"};
 }
 
@@ -149,10 +156,11 @@ std::vector<std::string> export_tiles(const ReconstructionFolder& reconstruction
                                       const std::optional<types::GeographicPosition>& position,
                                       const nlohmann::json& certificate,
                                       const std::filesystem::path& out) {
-    require_surface(reconstruction, "mesh.ply");
+    const TexturedMesh shown = shown_mesh(reconstruction);
     remove_tiles(out / "tiles");
     write_tiles(out / "tiles",
-                reconstruction.mesh(),
+                shown.mesh,
+                texture_or_null(shown),
                 {.position = position, .text = description_text(certificate, position)});
     write_certificate(out / "tiles", certificate);
     return {"tiles"};

@@ -19,7 +19,7 @@ namespace divemesh::io {
 //   colmap   colmap/images, colmap/sparse/0  keyframes and up to 100,000 points as a sparse model
 //   nerfstudio   nerfstudio/                 the same as transforms.json and points.ply
 //   las      surface.las   vertices with sigma and number of observations; in UTM with a position
-//   3dtiles  tiles/        the mesh in levels of detail; earth-centred with a position
+//   3dtiles  tiles/        the mesh of obj in levels of detail; earth-centred with a position
 //   mcap     reconstruction.mcap   poses, up to 100,000 points and keyframes for Foxglove
 enum class ExportFormat { Kitti, Euroc, Obj, Geotiff, Colmap, Nerfstudio, Las, Tiles, Mcap };
 
