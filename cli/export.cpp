@@ -56,7 +56,7 @@ void add_export(CLI::App& app, Context& context) {
         ->add_option(
             "--format",
             options->formats,
-            "kitti, euroc (trajectory), obj, las, 3dtiles (mesh), geotiff (mosaic, heights), "
+            "kitti, euroc (trajectory), obj, ply, las, 3dtiles (mesh), geotiff (mosaic, heights), "
             "colmap, nerfstudio, mcap (keyframes and points); separate several by commas")
         ->required();
     command->add_option(

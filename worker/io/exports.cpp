@@ -14,6 +14,7 @@
 #include "worker/io/mosaic_files.hpp"
 #include "worker/io/nerfstudio_writer.hpp"
 #include "worker/io/obj_writer.hpp"
+#include "worker/io/ply_zip.hpp"
 #include "worker/io/posed_images.hpp"
 #include "worker/io/thin_points.hpp"
 #include "worker/io/tiles_writer.hpp"
@@ -26,6 +27,7 @@ constexpr EnumText<ExportFormat> kTexts[] = {
     {ExportFormat::Kitti, "kitti"},
     {ExportFormat::Euroc, "euroc"},
     {ExportFormat::Obj, "obj"},
+    {ExportFormat::Ply, "ply"},
     {ExportFormat::Geotiff, "geotiff"},
     {ExportFormat::Colmap, "colmap"},
     {ExportFormat::Nerfstudio, "nerfstudio"},
@@ -122,6 +124,14 @@ std::vector<std::string> export_obj(const ReconstructionFolder& reconstruction,
     return {"mesh_obj.zip"};
 }
 
+std::vector<std::string> export_ply(const ReconstructionFolder& reconstruction,
+                                    const std::string& remark,
+                                    const std::filesystem::path& out) {
+    const TexturedMesh shown = shown_mesh(reconstruction);
+    write_ply_zip(out / "mesh_ply.zip", shown.mesh, texture_or_null(shown), remark);
+    return {"mesh_ply.zip"};
+}
+
 std::string description_text(const nlohmann::json& certificate,
                              const std::optional<types::GeographicPosition>& position) {
     std::string text = certificate_line(certificate);
@@ -180,6 +190,8 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
             return {"trajectory_euroc.csv"};
         case ExportFormat::Obj:
             return export_obj(reconstruction, certificate_line(certificate), out);
+        case ExportFormat::Ply:
+            return export_ply(reconstruction, certificate_line(certificate), out);
         case ExportFormat::Geotiff: return export_geotiff(reconstruction, position, out);
         case ExportFormat::Colmap:
             return export_posed_images(

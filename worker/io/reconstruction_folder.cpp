@@ -47,6 +47,7 @@ constexpr std::string_view kFiles[] = {
     "trajectory_kitti.txt",
     "trajectory_euroc.csv",
     "mesh_obj.zip",
+    "mesh_ply.zip",
     "surface.las",
     "reconstruction.mcap",
     "colmap/certificate.json",

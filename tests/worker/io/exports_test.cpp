@@ -232,6 +232,7 @@ TEST_F(ExportsOfAFolderTest, AMissingSurfaceIsNamed) {
     for (const char* name : {"cloud.ply", "mesh.ply"}) std::filesystem::remove(file(name));
     const std::vector<std::pair<ExportFormat, std::string>> needed = {
         {ExportFormat::Obj, "mesh.ply"},
+        {ExportFormat::Ply, "mesh.ply"},
         {ExportFormat::Las, "mesh.ply"},
         {ExportFormat::Tiles, "mesh.ply"},
         {ExportFormat::Mcap, "cloud.ply"},
@@ -285,6 +286,7 @@ TEST_F(ExportsOfAFolderTest, TheNextReconstructionRemovesThem) {
     export_reconstruction(open(),
                           {ExportFormat::Colmap,
                            ExportFormat::Nerfstudio,
+                           ExportFormat::Ply,
                            ExportFormat::Las,
                            ExportFormat::Tiles,
                            ExportFormat::Mcap},
@@ -299,7 +301,7 @@ TEST_F(ExportsOfAFolderTest, TheNextReconstructionRemovesThem) {
 }
 
 TEST(ExportFormatTest, AnUnknownFormatIsToldWithThoseThatAreThere) {
-    EXPECT_EQ(export_formats("kitti,obj,colmap,nerfstudio,las,3dtiles,mcap").size(), 7U);
+    EXPECT_EQ(export_formats("kitti,obj,ply,colmap,nerfstudio,las,3dtiles,mcap").size(), 8U);
     const Error error = error_of([] { export_formats("kitti,stl"); });
     EXPECT_NE(std::string(error.what()).find("geotiff"), std::string::npos);
 }
