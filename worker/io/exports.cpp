@@ -7,6 +7,7 @@
 #include "worker/base/atomic_file.hpp"
 #include "worker/io/certificate.hpp"
 #include "worker/io/colmap_writer.hpp"
+#include "worker/io/e57_writer.hpp"
 #include "worker/io/geographic_frame.hpp"
 #include "worker/io/las_writer.hpp"
 #include "worker/io/mcap_writer.hpp"
@@ -32,6 +33,7 @@ constexpr EnumText<ExportFormat> kTexts[] = {
     {ExportFormat::Colmap, "colmap"},
     {ExportFormat::Nerfstudio, "nerfstudio"},
     {ExportFormat::Las, "las"},
+    {ExportFormat::E57, "e57"},
     {ExportFormat::Tiles, "3dtiles"},
     {ExportFormat::Mcap, "mcap"},
 };
@@ -203,6 +205,12 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
                                        out / "nerfstudio",
                                        write_nerfstudio);
         case ExportFormat::Las: return export_las(reconstruction, position, certificate, out);
+        case ExportFormat::E57:
+            require_surface(reconstruction, "cloud.ply");
+            write_e57(out / "cloud.e57",
+                      CloudPlyReader(reconstruction.path() / "cloud.ply"),
+                      certificate_line(certificate));
+            return {"cloud.e57"};
         case ExportFormat::Tiles: return export_tiles(reconstruction, position, certificate, out);
         case ExportFormat::Mcap:
             write_mcap(out / "reconstruction.mcap",

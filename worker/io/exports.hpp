@@ -20,9 +20,22 @@ namespace divemesh::io {
 //   colmap   colmap/images, colmap/sparse/0  keyframes and up to 100,000 points as a sparse model
 //   nerfstudio   nerfstudio/                 the same as transforms.json and points.ply
 //   las      surface.las   vertices with sigma and number of observations; in UTM with a position
+//   e57      cloud.e57     all points of the cloud with their colours
 //   3dtiles  tiles/        the mesh of obj in levels of detail; earth-centred with a position
 //   mcap     reconstruction.mcap   poses, up to 100,000 points and keyframes for Foxglove
-enum class ExportFormat { Kitti, Euroc, Obj, Ply, Geotiff, Colmap, Nerfstudio, Las, Tiles, Mcap };
+enum class ExportFormat {
+    Kitti,
+    Euroc,
+    Obj,
+    Ply,
+    Geotiff,
+    Colmap,
+    Nerfstudio,
+    Las,
+    E57,
+    Tiles,
+    Mcap
+};
 
 // Parses format names separated by commas. Throws Error{InvalidArgument} that lists the valid ones.
 std::vector<ExportFormat> export_formats(std::string_view list);

@@ -49,6 +49,7 @@ constexpr std::string_view kFiles[] = {
     "mesh_obj.zip",
     "mesh_ply.zip",
     "surface.las",
+    "cloud.e57",
     "reconstruction.mcap",
     "colmap/certificate.json",
     "colmap/sparse/0/cameras.bin",
