@@ -53,11 +53,11 @@ void add_export(CLI::App& app, Context& context) {
     command->add_option("reconstruction", options->reconstruction, "folder of a reconstruction")
         ->required();
     command
-        ->add_option(
-            "--format",
-            options->formats,
-            "kitti, euroc (trajectory), obj, las, 3dtiles (mesh), geotiff (mosaic, heights), "
-            "colmap, nerfstudio, mcap (keyframes and points); separate several by commas")
+        ->add_option("--format",
+                     options->formats,
+                     "kitti, euroc (trajectory), obj, ply, las, 3dtiles (mesh), e57 (points), "
+                     "geotiff (mosaic, heights), "
+                     "colmap, nerfstudio, mcap (keyframes and points); separate several by commas")
         ->required();
     command->add_option(
         "--out", options->out, "output folder; default: the folder of the reconstruction");

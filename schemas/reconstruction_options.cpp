@@ -42,7 +42,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("simplify", options.simplify, "share of the triangles to keep, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error at which simplification stops, m; 0: no limit");
     visit("texture", options.texture, "texture mesh.glb with the photographs, and make the mosaic");
-    visit("exports", options.exports, "files for other programs, separated by commas: kitti, euroc (trajectory), obj, las, 3dtiles (mesh), colmap, nerfstudio, mcap (keyframes)");
+    visit("exports", options.exports, "files for other programs, separated by commas: kitti, euroc (trajectory), obj, ply, las, 3dtiles (mesh), e57 (points), colmap, nerfstudio, mcap (keyframes)");
     visit("num_threads", options.num_threads, "0: all cores; the result does not depend on it");
     visit("fusion_memory_bytes", options.fusion_memory_bytes, "max memory for voxels and points, the rest goes to the scratch folder; the result does not depend on it");
     // clang-format on
@@ -79,10 +79,18 @@ void validate_exports(const ReconstructionOptions& options, OptionFaults& faults
     for (std::size_t start = 0; start < list.size();) {
         const std::size_t end = std::min(list.find(',', start), list.size());
         const std::string word = list.substr(start, end - start);
-        faults.require_one_of(
-            "exports",
-            word,
-            {"kitti", "euroc", "obj", "colmap", "nerfstudio", "las", "3dtiles", "mcap"});
+        faults.require_one_of("exports",
+                              word,
+                              {"kitti",
+                               "euroc",
+                               "obj",
+                               "ply",
+                               "colmap",
+                               "nerfstudio",
+                               "las",
+                               "e57",
+                               "3dtiles",
+                               "mcap"});
         faults.require(word == "kitti" || word == "euroc" || options.surface,
                        "exports",
                        "has " + word + ", which needs surface=true");

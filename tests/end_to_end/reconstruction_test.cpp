@@ -93,7 +93,7 @@ TEST_F(ReconstructionTest, GivesFilesThatForeignValidatorsAccept) {
     const std::string schema = (source_directory() / "schemas/metrics.schema.json").string();
     for (const std::vector<std::string>& check :
          {std::vector<std::string>{"check_outputs.mjs", result, schema},
-          {"check_tiles.mjs", result + "/tiles"},
+          {"check_tiles.mjs", result + "/tiles", "textured"},
           {"check_mcap.mjs", result + "/reconstruction.mcap"}}) {
         std::vector<std::string> command = {"/usr/bin/env", "node", (checker / check[0]).string()};
         command.insert(command.end(), check.begin() + 1, check.end());

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "worker/base/atomic_file.hpp"
 #include "worker/base/text.hpp"
 #include "worker/io/record.hpp"
 

@@ -6,8 +6,9 @@
 
 namespace divemesh::io {
 
-// The checksum of ISO 3309, as PNG, zip and MCAP have it.
-class Crc32 {
+// A checksum of 32 bits whose polynomial is given with the lowest power in the highest bit.
+template <std::uint32_t kPolynomial>
+class ReflectedCrc32 {
 public:
     void add(std::string_view bytes) {
         for (const char byte : bytes)
@@ -21,7 +22,7 @@ private:
         for (std::uint32_t byte = 0; byte < 256; ++byte) {
             std::uint32_t rest = byte;
             for (int bit = 0; bit < 8; ++bit)
-                rest = (rest & 1U) != 0 ? 0xedb88320U ^ (rest >> 1U) : rest >> 1U;
+                rest = (rest & 1U) != 0 ? kPolynomial ^ (rest >> 1U) : rest >> 1U;
             table[byte] = rest;
         }
         return table;
@@ -29,5 +30,10 @@ private:
 
     std::uint32_t state_ = ~std::uint32_t{0};
 };
+
+// The checksum of ISO 3309, as PNG, zip and MCAP have it.
+using Crc32 = ReflectedCrc32<0xedb88320U>;
+// That of iSCSI (RFC 3720), CRC-32C, as E57 has it.
+using Crc32c = ReflectedCrc32<0x82f63b78U>;
 
 }  // namespace divemesh::io

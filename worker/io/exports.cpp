@@ -7,6 +7,7 @@
 #include "worker/base/atomic_file.hpp"
 #include "worker/io/certificate.hpp"
 #include "worker/io/colmap_writer.hpp"
+#include "worker/io/e57_writer.hpp"
 #include "worker/io/geographic_frame.hpp"
 #include "worker/io/las_writer.hpp"
 #include "worker/io/mcap_writer.hpp"
@@ -14,6 +15,7 @@
 #include "worker/io/mosaic_files.hpp"
 #include "worker/io/nerfstudio_writer.hpp"
 #include "worker/io/obj_writer.hpp"
+#include "worker/io/ply_zip.hpp"
 #include "worker/io/posed_images.hpp"
 #include "worker/io/thin_points.hpp"
 #include "worker/io/tiles_writer.hpp"
@@ -26,10 +28,12 @@ constexpr EnumText<ExportFormat> kTexts[] = {
     {ExportFormat::Kitti, "kitti"},
     {ExportFormat::Euroc, "euroc"},
     {ExportFormat::Obj, "obj"},
+    {ExportFormat::Ply, "ply"},
     {ExportFormat::Geotiff, "geotiff"},
     {ExportFormat::Colmap, "colmap"},
     {ExportFormat::Nerfstudio, "nerfstudio"},
     {ExportFormat::Las, "las"},
+    {ExportFormat::E57, "e57"},
     {ExportFormat::Tiles, "3dtiles"},
     {ExportFormat::Mcap, "mcap"},
 };
@@ -99,20 +103,35 @@ std::vector<std::string> export_posed_images(const ReconstructionFolder& reconst
     return {folder.filename().string()};
 }
 
-// Writes the textured mesh of mesh.glb, or mesh.ply if that has no texture.
+// Returns the textured mesh of mesh.glb, or without a texture the whole mesh of mesh.ply.
+TexturedMesh shown_mesh(const ReconstructionFolder& reconstruction) {
+    const std::filesystem::path glb = reconstruction.path() / "mesh.glb";
+    if (std::filesystem::exists(glb)) {
+        TexturedMesh shown = read_textured_glb(glb);
+        if (!shown.texture.jpegs.empty()) return shown;
+    }
+    require_surface(reconstruction, "mesh.ply");
+    return {reconstruction.mesh(), {}};
+}
+
+const StoredTexture* texture_or_null(const TexturedMesh& shown) {
+    return shown.texture.jpegs.empty() ? nullptr : &shown.texture;
+}
+
 std::vector<std::string> export_obj(const ReconstructionFolder& reconstruction,
                                     const std::string& remark,
                                     const std::filesystem::path& out) {
-    const std::filesystem::path glb = reconstruction.path() / "mesh.glb";
-    const TexturedMesh shown =
-        std::filesystem::exists(glb) ? read_textured_glb(glb) : TexturedMesh{};
-    if (!shown.texture.jpegs.empty()) {
-        write_obj_zip(out / "mesh_obj.zip", shown.mesh, &shown.texture, remark);
-    } else {
-        require_surface(reconstruction, "mesh.ply");
-        write_obj_zip(out / "mesh_obj.zip", reconstruction.mesh(), nullptr, remark);
-    }
+    const TexturedMesh shown = shown_mesh(reconstruction);
+    write_obj_zip(out / "mesh_obj.zip", shown.mesh, texture_or_null(shown), remark);
     return {"mesh_obj.zip"};
+}
+
+std::vector<std::string> export_ply(const ReconstructionFolder& reconstruction,
+                                    const std::string& remark,
+                                    const std::filesystem::path& out) {
+    const TexturedMesh shown = shown_mesh(reconstruction);
+    write_ply_zip(out / "mesh_ply.zip", shown.mesh, texture_or_null(shown), remark);
+    return {"mesh_ply.zip"};
 }
 
 std::string description_text(const nlohmann::json& certificate,
@@ -149,10 +168,11 @@ std::vector<std::string> export_tiles(const ReconstructionFolder& reconstruction
                                       const std::optional<types::GeographicPosition>& position,
                                       const nlohmann::json& certificate,
                                       const std::filesystem::path& out) {
-    require_surface(reconstruction, "mesh.ply");
+    const TexturedMesh shown = shown_mesh(reconstruction);
     remove_tiles(out / "tiles");
     write_tiles(out / "tiles",
-                reconstruction.mesh(),
+                shown.mesh,
+                texture_or_null(shown),
                 {.position = position, .text = description_text(certificate, position)});
     write_certificate(out / "tiles", certificate);
     return {"tiles"};
@@ -172,6 +192,8 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
             return {"trajectory_euroc.csv"};
         case ExportFormat::Obj:
             return export_obj(reconstruction, certificate_line(certificate), out);
+        case ExportFormat::Ply:
+            return export_ply(reconstruction, certificate_line(certificate), out);
         case ExportFormat::Geotiff: return export_geotiff(reconstruction, position, out);
         case ExportFormat::Colmap:
             return export_posed_images(
@@ -183,6 +205,12 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
                                        out / "nerfstudio",
                                        write_nerfstudio);
         case ExportFormat::Las: return export_las(reconstruction, position, certificate, out);
+        case ExportFormat::E57:
+            require_surface(reconstruction, "cloud.ply");
+            write_e57(out / "cloud.e57",
+                      CloudPlyReader(reconstruction.path() / "cloud.ply"),
+                      certificate_line(certificate));
+            return {"cloud.e57"};
         case ExportFormat::Tiles: return export_tiles(reconstruction, position, certificate, out);
         case ExportFormat::Mcap:
             write_mcap(out / "reconstruction.mcap",

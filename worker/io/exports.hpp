@@ -15,13 +15,27 @@ namespace divemesh::io {
 //   kitti    trajectory_kitti.txt   final poses, 3 x 4, a row per frame
 //   euroc    trajectory_euroc.csv   the same with timestamps, EuRoC's columns
 //   obj      mesh_obj.zip           mesh.glb, or mesh.ply if that has no texture, as OBJ
+//   ply      mesh_ply.zip           the same as PLY with texture coordinates
 //   geotiff  mosaic.tif, heights.tif, heights_sigma.tif   in UTM; needs a position
 //   colmap   colmap/images, colmap/sparse/0  keyframes and up to 100,000 points as a sparse model
 //   nerfstudio   nerfstudio/                 the same as transforms.json and points.ply
 //   las      surface.las   vertices with sigma and number of observations; in UTM with a position
-//   3dtiles  tiles/        the mesh in levels of detail; earth-centred with a position
+//   e57      cloud.e57     all points of the cloud with their colours
+//   3dtiles  tiles/        the mesh of obj in levels of detail; earth-centred with a position
 //   mcap     reconstruction.mcap   poses, up to 100,000 points and keyframes for Foxglove
-enum class ExportFormat { Kitti, Euroc, Obj, Geotiff, Colmap, Nerfstudio, Las, Tiles, Mcap };
+enum class ExportFormat {
+    Kitti,
+    Euroc,
+    Obj,
+    Ply,
+    Geotiff,
+    Colmap,
+    Nerfstudio,
+    Las,
+    E57,
+    Tiles,
+    Mcap
+};
 
 // Parses format names separated by commas. Throws Error{InvalidArgument} that lists the valid ones.
 std::vector<ExportFormat> export_formats(std::string_view list);

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "schemas/error.hpp"
+#include "worker/base/atomic_file.hpp"
 #include "worker/io/mesh_check.hpp"
 #include "worker/io/record.hpp"
 

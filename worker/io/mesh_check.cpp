@@ -8,8 +8,6 @@
 namespace divemesh::io {
 namespace {
 
-constexpr int kMaxAtlas_px = 8192;
-
 void check_length(const char* what, std::size_t length, std::size_t num_vertices) {
     if (length != 0 && length != num_vertices)
         throw Error(ErrorCode::InvalidArgument,

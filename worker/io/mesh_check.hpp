@@ -8,6 +8,8 @@
 
 namespace divemesh::io {
 
+inline constexpr int kMaxAtlas_px = 8192;  // a side, which every graphics card takes
+
 // Throws Error{InvalidArgument} if a triangle uses a vertex that does not exist, a coordinate is
 // not finite, or an attribute differs in length from the vertices.
 void check_mesh(const types::Mesh& mesh);

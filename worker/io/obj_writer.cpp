@@ -1,80 +1,18 @@
 #include "worker/io/obj_writer.hpp"
 
-#include <archive.h>
-#include <archive_entry.h>
 #include <charconv>
-#include <exception>
-#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "schemas/error.hpp"
-#include "worker/base/atomic_file.hpp"
 #include "worker/io/mesh_check.hpp"
 #include "worker/io/mesh_part.hpp"
+#include "worker/io/zip_writer.hpp"
 
 namespace divemesh::io {
 namespace {
 
 constexpr std::size_t kChunk_bytes = std::size_t{1} << 20;
-// A zip that is written to a file. Errors of the file are passed on unchanged through the library.
-class ZipWriter {
-public:
-    explicit ZipWriter(const std::filesystem::path& file)
-        : output_(file), archive_(archive_write_new()) {
-        archive_write_set_format_zip(archive_.get());
-        archive_write_set_bytes_in_last_block(archive_.get(), 1);
-        check(archive_write_open(archive_.get(), this, nullptr, write, nullptr));
-    }
-
-    void begin(const std::string& name) {
-        const std::unique_ptr<archive_entry, Free> entry(archive_entry_new());
-        archive_entry_set_pathname(entry.get(), name.c_str());
-        archive_entry_set_filetype(entry.get(), AE_IFREG);
-        archive_entry_set_perm(entry.get(), 0644);
-        archive_entry_set_mtime(entry.get(), kNoTime_s, 0);
-        check(archive_write_header(archive_.get(), entry.get()));
-    }
-    void add(std::string_view text) {
-        if (archive_write_data(archive_.get(), text.data(), text.size()) < 0) check(ARCHIVE_FATAL);
-    }
-    void commit() {
-        check(archive_write_close(archive_.get()));
-        output_.commit();
-    }
-
-private:
-    // 1980-01-01, the first time of the zip format
-    static constexpr time_t kNoTime_s = 315'532'800;
-
-    struct Free {
-        void operator()(archive* zip) const { archive_write_free(zip); }
-        void operator()(archive_entry* entry) const { archive_entry_free(entry); }
-    };
-
-    static la_ssize_t write(archive*, void* self, const void* bytes, std::size_t size) {
-        auto& zip = *static_cast<ZipWriter*>(self);
-        try {
-            zip.output_.write({static_cast<const char*>(bytes), size});
-            return static_cast<la_ssize_t>(size);
-        } catch (...) {
-            zip.error_ = std::current_exception();
-            return -1;
-        }
-    }
-    void check(int result) {
-        if (error_) std::rethrow_exception(error_);
-        if (result < ARCHIVE_WARN)
-            throw Error(
-                ErrorCode::Unavailable,
-                std::string("cannot write the zip: ") + archive_error_string(archive_.get()));
-    }
-
-    base::AtomicFile output_;
-    std::exception_ptr error_;
-    std::unique_ptr<archive, Free> archive_;
-};
 
 // Writes text in chunks, so that a mesh of gigabytes needs no additional memory.
 class ObjText {
@@ -101,7 +39,7 @@ public:
         }
     }
     void flush() {
-        zip_.add(text_);
+        zip_.write(text_);
         text_.clear();
     }
 
@@ -153,8 +91,6 @@ void write_part(ObjText& text,
     }
 }
 
-std::string image_name(std::size_t atlas) { return "atlas_" + std::to_string(atlas) + ".jpg"; }
-
 // Writes mesh.obj. Returns the atlases that it uses.
 std::vector<std::size_t> write_obj(ZipWriter& zip,
                                    const types::Mesh& mesh,
@@ -186,12 +122,12 @@ std::vector<std::size_t> write_obj(ZipWriter& zip,
 void write_materials(ZipWriter& zip, const std::vector<std::size_t>& atlases) {
     constexpr std::string_view kUnlit = "Ka 1 1 1\nKd 1 1 1\nillum 0\n";
     zip.begin("mesh.mtl");
-    zip.add("# the colour of surface is that of the vertices\nnewmtl surface\n");
-    zip.add(kUnlit);
+    zip.write("# the colour of surface is that of the vertices\nnewmtl surface\n");
+    zip.write(kUnlit);
     for (const std::size_t atlas : atlases) {
-        zip.add("newmtl atlas_" + std::to_string(atlas) + "\n");
-        zip.add(kUnlit);
-        zip.add("map_Kd " + image_name(atlas) + "\n");
+        zip.write("newmtl atlas_" + std::to_string(atlas) + "\n");
+        zip.write(kUnlit);
+        zip.write("map_Kd " + atlas_file_name(atlas) + "\n");
     }
 }
 
@@ -207,8 +143,8 @@ void write_obj_zip(const std::filesystem::path& file,
     const std::vector<std::size_t> atlases = write_obj(zip, mesh, texture, remark);
     write_materials(zip, atlases);
     for (const std::size_t atlas : atlases) {
-        zip.begin(image_name(atlas));
-        zip.add(texture->jpegs[atlas]);
+        zip.begin(atlas_file_name(atlas));
+        zip.write(texture->jpegs[atlas]);
     }
     zip.commit();
 }

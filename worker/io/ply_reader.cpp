@@ -6,134 +6,21 @@
 #include <fstream>
 #include <iterator>
 #include <optional>
-#include <sstream>
 
 #include "schemas/error.hpp"
 #include "worker/io/ply.hpp"
+#include "worker/io/ply_header.hpp"
 
 namespace divemesh::io {
 namespace {
 
-enum class Format { Ascii, LittleEndian, BigEndian };
-enum class Scalar { Int8, Uint8, Int16, Uint16, Int32, Uint32, Float32, Float64 };
-
-struct Property {
-    std::string name;
-    Scalar type = Scalar::Float32;
-    std::optional<Scalar> count_type;  // set for a list
-};
-
-struct Element {
-    std::string name;
-    std::uint64_t count = 0;
-    std::vector<Property> properties;
-};
-
-struct Header {
-    Format format = Format::Ascii;
-    std::vector<Element> elements;
-    std::size_t size_bytes = 0;
-};
-
-[[noreturn]] void fail(const std::string& name, const std::string& what) {
-    throw Error(ErrorCode::BadData, name + ": " + what);
-}
-
-std::optional<Scalar> scalar_from_text(std::string_view text) {
-    // clang-format off
-    static constexpr std::pair<std::string_view, Scalar> kNames[] = {
-        {"char", Scalar::Int8},     {"int8", Scalar::Int8},      {"uchar", Scalar::Uint8},
-        {"uint8", Scalar::Uint8},   {"short", Scalar::Int16},    {"int16", Scalar::Int16},
-        {"ushort", Scalar::Uint16}, {"uint16", Scalar::Uint16},  {"int", Scalar::Int32},
-        {"int32", Scalar::Int32},   {"uint", Scalar::Uint32},    {"uint32", Scalar::Uint32},
-        {"float", Scalar::Float32}, {"float32", Scalar::Float32},
-        {"double", Scalar::Float64}, {"float64", Scalar::Float64}};
-    // clang-format on
-    for (const auto& [known, scalar] : kNames)
-        if (known == text) return scalar;
-    return std::nullopt;
-}
-
-std::size_t size_of(Scalar scalar) {
-    switch (scalar) {
-        case Scalar::Int8:
-        case Scalar::Uint8: return 1;
-        case Scalar::Int16:
-        case Scalar::Uint16: return 2;
-        case Scalar::Int32:
-        case Scalar::Uint32:
-        case Scalar::Float32: return 4;
-        case Scalar::Float64: return 8;
-    }
-    return 0;
-}
-
-Property parse_property(std::istringstream& words, const std::string& name) {
-    Property property;
-    std::string type;
-    words >> type;
-    if (type == "list") {
-        words >> type;
-        property.count_type = scalar_from_text(type);
-        if (!property.count_type) fail(name, "PLY header: unknown list type '" + type + "'");
-        words >> type;
-    }
-    const auto scalar = scalar_from_text(type);
-    words >> property.name;
-    if (!scalar || property.name.empty()) fail(name, "PLY header: bad property '" + type + "'");
-    property.type = *scalar;
-    return property;
-}
-
-void parse_header_line(const std::string& line, const std::string& name, Header& header) {
-    std::istringstream words(line);
-    std::string word;
-    words >> word;
-    if (word == "format") {
-        words >> word;
-        if (word == "ascii")
-            header.format = Format::Ascii;
-        else if (word == "binary_little_endian")
-            header.format = Format::LittleEndian;
-        else if (word == "binary_big_endian")
-            header.format = Format::BigEndian;
-        else
-            fail(name, "unknown PLY format '" + word + "'");
-    } else if (word == "element") {
-        Element element;
-        words >> element.name >> element.count;
-        if (!words) fail(name, "PLY header: bad element '" + line + "'");
-        header.elements.push_back(element);
-    } else if (word == "property") {
-        if (header.elements.empty()) fail(name, "PLY header: a property before any element");
-        header.elements.back().properties.push_back(parse_property(words, name));
-    } else if (word != "comment" && word != "obj_info" && word != "ply") {
-        fail(name, "PLY header: unknown line '" + line.substr(0, 60) + "'");
-    }
-}
-
-Header parse_header(std::string_view bytes, const std::string& name) {
-    if (!bytes.starts_with("ply")) fail(name, "not a PLY file");
-    Header header;
-    for (int num_lines = 0; num_lines < 1000; ++num_lines) {
-        const std::size_t end = bytes.find('\n', header.size_bytes);
-        if (end == std::string_view::npos) break;
-        std::string line(bytes.substr(header.size_bytes, end - header.size_bytes));
-        header.size_bytes = end + 1;
-        if (line.ends_with('\r')) line.pop_back();
-        if (line == "end_header") return header;
-        parse_header_line(line, name, header);
-    }
-    fail(name, "PLY header has no end_header");
-}
-
 // Reads the scalars of the body one by one.
 class Body {
 public:
-    Body(std::string_view bytes, Format format, const std::string& name)
+    Body(std::string_view bytes, PlyFormat format, const std::string& name)
         : rest_(bytes), format_(format), name_(name) {}
 
-    double next(Scalar scalar) { return format_ == Format::Ascii ? word() : binary(scalar); }
+    double next(PlyScalar scalar) { return format_ == PlyFormat::Ascii ? word() : binary(scalar); }
     std::size_t remaining_bytes() const { return rest_.size(); }
 
 private:
@@ -143,7 +30,7 @@ private:
         double value = 0.0;
         const auto [end, code] = std::from_chars(rest_.data(), rest_.data() + rest_.size(), value);
         if (code != std::errc())
-            fail(name_, "PLY body is incomplete or contains text that is not a number");
+            fail_ply(name_, "PLY body is incomplete or contains text that is not a number");
         rest_.remove_prefix(static_cast<std::size_t>(end - rest_.data()));
         return value;
     }
@@ -152,52 +39,53 @@ private:
     double take() {
         char raw[sizeof(Value)];
         std::memcpy(raw, rest_.data(), sizeof raw);
-        if (format_ == Format::BigEndian) std::reverse(std::begin(raw), std::end(raw));
+        if (format_ == PlyFormat::BigEndian) std::reverse(std::begin(raw), std::end(raw));
         Value value;
         std::memcpy(&value, raw, sizeof raw);
         rest_.remove_prefix(sizeof raw);
         return static_cast<double>(value);
     }
 
-    double binary(Scalar scalar) {
-        if (rest_.size() < size_of(scalar)) fail(name_, "PLY body is cut short");
+    double binary(PlyScalar scalar) {
+        if (rest_.size() < size_of(scalar)) fail_ply(name_, "PLY body is cut short");
         switch (scalar) {
-            case Scalar::Int8: return take<std::int8_t>();
-            case Scalar::Uint8: return take<std::uint8_t>();
-            case Scalar::Int16: return take<std::int16_t>();
-            case Scalar::Uint16: return take<std::uint16_t>();
-            case Scalar::Int32: return take<std::int32_t>();
-            case Scalar::Uint32: return take<std::uint32_t>();
-            case Scalar::Float32: return take<float>();
-            case Scalar::Float64: return take<double>();
+            case PlyScalar::Int8: return take<std::int8_t>();
+            case PlyScalar::Uint8: return take<std::uint8_t>();
+            case PlyScalar::Int16: return take<std::int16_t>();
+            case PlyScalar::Uint16: return take<std::uint16_t>();
+            case PlyScalar::Int32: return take<std::int32_t>();
+            case PlyScalar::Uint32: return take<std::uint32_t>();
+            case PlyScalar::Float32: return take<float>();
+            case PlyScalar::Float64: return take<double>();
         }
         return 0.0;
     }
 
     std::string_view rest_;
-    Format format_;
+    PlyFormat format_;
     const std::string& name_;
 };
 
 // Returns the minimum number of bytes of an element, which bounds a hostile count before memory is
 // allocated.
-std::size_t min_bytes(const Element& element, Format format) {
+std::size_t min_bytes(const PlyElement& element, PlyFormat format) {
     std::size_t bytes = 0;
-    for (const Property& property : element.properties)
-        bytes += format == Format::Ascii ? 1 : size_of(property.count_type.value_or(property.type));
+    for (const PlyProperty& property : element.properties)
+        bytes +=
+            format == PlyFormat::Ascii ? 1 : size_of(property.count_type.value_or(property.type));
     return std::max<std::size_t>(bytes, 1);
 }
 
-std::uint64_t list_length(const Property& property, Body& body, const std::string& name) {
+std::uint64_t list_length(const PlyProperty& property, Body& body, const std::string& name) {
     const double count = body.next(*property.count_type);
     if (!(count >= 0.0 && count <= static_cast<double>(body.remaining_bytes())))
-        fail(name, "PLY list is longer than the file");
+        fail_ply(name, "PLY list is longer than the file");
     return static_cast<std::uint64_t>(count);
 }
 
-std::uint8_t color_channel(double value, Scalar type) {
+std::uint8_t color_channel(double value, PlyScalar type) {
     const double scaled =
-        type == Scalar::Float32 || type == Scalar::Float64 ? value * 255.0 : value;
+        type == PlyScalar::Float32 || type == PlyScalar::Float64 ? value * 255.0 : value;
     return static_cast<std::uint8_t>(std::clamp(std::isfinite(scaled) ? scaled : 0.0, 0.0, 255.0));
 }
 
@@ -234,15 +122,18 @@ Target target_of(std::string_view name) {
     return static_cast<Target>(found - std::begin(kNames));
 }
 
-void read_vertices(const Element& element, Body& body, const std::string& name, types::Mesh& mesh) {
+void read_vertices(const PlyElement& element,
+                   Body& body,
+                   const std::string& name,
+                   types::Mesh& mesh) {
     std::vector<Target> targets;
-    for (const Property& property : element.properties)
+    for (const PlyProperty& property : element.properties)
         targets.push_back(property.count_type ? Target::None : target_of(property.name));
     const auto has = [&](Target target) {
         return std::find(targets.begin(), targets.end(), target) != targets.end();
     };
-    if (!has(Target::X) || !has(Target::Y) || !has(Target::Z)) fail(name, "PLY has no x, y, z");
-    if (!mesh.vertices.empty()) fail(name, "PLY has two lists of vertices");
+    if (!has(Target::X) || !has(Target::Y) || !has(Target::Z)) fail_ply(name, "PLY has no x, y, z");
+    if (!mesh.vertices.empty()) fail_ply(name, "PLY has two lists of vertices");
     mesh.vertices.resize(element.count, Eigen::Vector3f::Zero());
     if (has(Target::Nx)) mesh.normals.resize(element.count, Eigen::Vector3f::Zero());
     if (has(Target::Red)) mesh.colors.resize(element.count);
@@ -251,7 +142,7 @@ void read_vertices(const Element& element, Body& body, const std::string& name, 
     if (has(Target::NumObservations)) mesh.num_observations.resize(element.count);
     for (std::size_t i = 0; i < element.count; ++i) {
         for (std::size_t p = 0; p < targets.size(); ++p) {
-            const Property& property = element.properties[p];
+            const PlyProperty& property = element.properties[p];
             if (property.count_type) {
                 for (auto left = list_length(property, body, name); left > 0; --left)
                     body.next(property.type);
@@ -276,18 +167,18 @@ void read_vertices(const Element& element, Body& body, const std::string& name, 
                     static_cast<std::uint32_t>(value > 0.0 ? std::min(value, 4294967295.0) : 0.0);
         }
         if (!mesh.vertices[i].allFinite())
-            fail(name, "PLY vertex " + std::to_string(i) + " is not finite");
+            fail_ply(name, "PLY vertex " + std::to_string(i) + " is not finite");
     }
 }
 
 std::uint32_t vertex_index(double value, const types::Mesh& mesh, const std::string& name) {
     if (!(value >= 0.0 && value < static_cast<double>(mesh.vertices.size())))
-        fail(name, "PLY face refers to a vertex that does not exist");
+        fail_ply(name, "PLY face refers to a vertex that does not exist");
     return static_cast<std::uint32_t>(value);
 }
 
 // Splits a polygon into a fan around its first corner.
-void read_polygon(const Property& property,
+void read_polygon(const PlyProperty& property,
                   Body& body,
                   const std::string& name,
                   types::Mesh& mesh) {
@@ -302,10 +193,10 @@ void read_polygon(const Property& property,
     }
 }
 
-void read_other(const Element& element, Body& body, const std::string& name, types::Mesh& mesh) {
+void read_other(const PlyElement& element, Body& body, const std::string& name, types::Mesh& mesh) {
     if (element.name == "face") mesh.triangles.reserve(element.count);
     for (std::uint64_t i = 0; i < element.count; ++i)
-        for (const Property& property : element.properties) {
+        for (const PlyProperty& property : element.properties) {
             const bool is_polygon =
                 element.name == "face" && property.count_type &&
                 (property.name == "vertex_indices" || property.name == "vertex_index");
@@ -322,14 +213,14 @@ void read_other(const Element& element, Body& body, const std::string& name, typ
 }  // namespace
 
 types::Mesh parse_ply(std::string_view bytes, const std::string& name) {
-    const Header header = parse_header(bytes, name);
+    const PlyHeader header = parse_ply_header(bytes, name);
     Body body(bytes.substr(header.size_bytes), header.format, name);
     types::Mesh mesh;
-    for (const Element& element : header.elements) {
+    for (const PlyElement& element : header.elements) {
         if (element.count > body.remaining_bytes() / min_bytes(element, header.format))
-            fail(name,
-                 "PLY announces " + std::to_string(element.count) + " of element " + element.name +
-                     ", but the file is too short: copy it again");
+            fail_ply(name,
+                     "PLY announces " + std::to_string(element.count) + " of element " +
+                         element.name + ", but the file is too short: copy it again");
         if (element.name == "vertex")
             read_vertices(element, body, name, mesh);
         else

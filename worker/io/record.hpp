@@ -8,7 +8,6 @@
 #include <string_view>
 #include <type_traits>
 
-#include "worker/base/atomic_file.hpp"
 #include "worker/types/mesh.hpp"
 
 namespace divemesh::io {
@@ -42,7 +41,9 @@ public:
     void put_zeros(std::size_t size_bytes) { bytes_.append(size_bytes, '\0'); }
     std::size_t size_bytes() const { return bytes_.size(); }
     std::string_view bytes() const { return bytes_; }
-    void flush_to(base::AtomicFile& file) {
+    // Writes the values to a file, such as AtomicFile, and starts anew.
+    template <typename File>
+    void flush_to(File& file) {
         file.write(bytes_);
         bytes_.clear();
     }

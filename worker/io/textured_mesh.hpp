@@ -13,6 +13,11 @@ struct StoredTexture : types::TextureMap {
     std::vector<std::string> jpegs;
 };
 
+// Returns the name of an atlas beside a mesh that refers to it.
+inline std::string atlas_file_name(std::size_t atlas) {
+    return "atlas_" + std::to_string(atlas) + ".jpg";
+}
+
 // A mesh as viewers show it.
 struct TexturedMesh {
     types::Mesh mesh;

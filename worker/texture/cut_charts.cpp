@@ -1,13 +1,14 @@
 #include "worker/texture/cut_charts.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <array>
 #include <numeric>
 #include <tuple>
 #include <utility>
 
 #include "worker/base/disjoint_sets.hpp"
+#include "worker/base/pixels_around.hpp"
+#include "worker/types/texture.hpp"
 
 namespace divemesh::texture {
 namespace {
@@ -16,18 +17,11 @@ cv::Rect bounds_of(const types::Mesh& mesh,
                    std::size_t triangle,
                    std::int32_t keyframe,
                    const Photographs& photographs) {
-    Eigen::Vector2d low = Eigen::Vector2d::Constant(std::numeric_limits<double>::max());
-    Eigen::Vector2d high = -low;
-    for (const std::uint32_t vertex : mesh.triangles[triangle]) {
-        const Eigen::Vector2d pixel = photographs.pixel(keyframe, mesh.vertices[vertex]).value();
-        low = low.cwiseMin(pixel);
-        high = high.cwiseMax(pixel);
-    }
-    const cv::Point first(static_cast<int>(std::floor(low.x())),
-                          static_cast<int>(std::floor(low.y())));
-    const cv::Point last(static_cast<int>(std::ceil(high.x())),
-                         static_cast<int>(std::ceil(high.y())));
-    return {first, last + cv::Point(1, 1)};
+    std::array<Eigen::Vector2d, 3> corners;
+    for (std::size_t k = 0; k < corners.size(); ++k)
+        corners[k] =
+            photographs.pixel(keyframe, mesh.vertices[mesh.triangles[triangle][k]]).value();
+    return base::pixels_around(corners);
 }
 
 Cutouts one_per_chart(const types::Mesh& mesh,
@@ -65,7 +59,8 @@ std::uint32_t z_order(cv::Point pixel) {
 }
 
 std::int64_t num_texels(const cv::Rect& pixels) {
-    return std::int64_t{pixels.width + 2 * kBorder_px} * (pixels.height + 2 * kBorder_px);
+    constexpr int kBorders_px = 2 * types::Texture::kBorder_px;
+    return std::int64_t{pixels.width + kBorders_px} * (pixels.height + kBorders_px);
 }
 
 bool is_better_together(const Cutout& a, const Cutout& b) {

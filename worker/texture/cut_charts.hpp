@@ -10,10 +10,6 @@
 
 namespace divemesh::texture {
 
-// True image content around the charts of a cutout, texels, so that smaller mip levels do not mix
-// them with their neighbours in the atlas.
-inline constexpr int kBorder_px = 4;
-
 // A rectangle of a keyframe's image with the charts that are cut out of it. A chart is a connected
 // part of the surface that takes its colour from one keyframe. Charts whose rectangles overlap
 // share a cutout where that saves texels.

@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/base/bilinear.hpp"
+#include "worker/base/extend_pixels.hpp"
 #include "worker/mesh/triangle_pixels.hpp"
 #include "worker/stats/robust.hpp"
 #include "worker/texture/seam_membrane.hpp"
@@ -41,22 +42,6 @@ Contents list_contents(const AtlasSources& sources, const AtlasPlan& plan) {
     return contents;
 }
 
-// Gives each pixel that no triangle covers the value of the nearest one that is covered.
-void extend(const cv::Mat& is_uncovered, cv::Mat& values) {
-    cv::Mat distances;
-    cv::Mat nearest;
-    cv::distanceTransform(
-        is_uncovered, distances, nearest, cv::DIST_L2, cv::DIST_MASK_5, cv::DIST_LABEL_PIXEL);
-    std::vector<cv::Vec3f> of_label(values.total() + 1);
-    for (int row = 0; row < values.rows; ++row)
-        for (int column = 0; column < values.cols; ++column)
-            if (is_uncovered.at<std::uint8_t>(row, column) == 0)
-                of_label[nearest.at<int>(row, column)] = values.at<cv::Vec3f>(row, column);
-    for (int row = 0; row < values.rows; ++row)
-        for (int column = 0; column < values.cols; ++column)
-            values.at<cv::Vec3f>(row, column) = of_label[nearest.at<int>(row, column)];
-}
-
 cv::Vec3f to_pixel(const Eigen::Vector3f& color) { return {color[0], color[1], color[2]}; }
 
 // Returns what levelling adds to the pixels of a cutout, CV_32FC3: linear over the triangles.
@@ -91,7 +76,7 @@ cv::Mat added_over(const AtlasSources& sources,
                                  set(row, column, colors * weights);
                              });
     }
-    extend(is_uncovered, added);
+    base::extend_pixels<cv::Vec3f>(is_uncovered, added);
     return added;
 }
 

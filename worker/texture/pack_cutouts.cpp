@@ -3,12 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "schemas/error.hpp"
-
-#define STB_RECT_PACK_IMPLEMENTATION
-#define STBRP_STATIC
-#include <stb/stb_rect_pack.h>
+#include "worker/base/pack_rectangles.hpp"
+#include "worker/types/texture.hpp"
 
 namespace divemesh::texture {
 namespace {
@@ -34,7 +33,7 @@ int scaled_px(int size_px, double scale) {
 }
 
 PlacedCutout place_at_scale(const cv::Rect& pixels, double scale) {
-    const int border_px = static_cast<int>(std::ceil(kBorder_px / scale));
+    const int border_px = static_cast<int>(std::ceil(types::Texture::kBorder_px / scale));
     PlacedCutout place;
     place.pixels = {pixels.x - border_px,
                     pixels.y - border_px,
@@ -51,53 +50,10 @@ double fitting_scale(const std::vector<Cutout>& cutouts, int max_side_px) {
     for (const Cutout& cutout : cutouts) {
         const int side_px = std::max(cutout.pixels.width, cutout.pixels.height);
         // Scaling rounds border and side up, by less than 2 texels each.
-        scale = std::min(scale, static_cast<double>(max_side_px - 2 * kBorder_px - 4) / side_px);
+        scale = std::min(
+            scale, static_cast<double>(max_side_px - 2 * types::Texture::kBorder_px - 4) / side_px);
     }
     return scale;
-}
-
-std::vector<stbrp_rect> rectangles_of(const std::vector<PlacedCutout>& places) {
-    std::vector<stbrp_rect> rectangles(places.size());
-    for (std::size_t i = 0; i < places.size(); ++i) {
-        rectangles[i].id = static_cast<int>(i);
-        rectangles[i].w = places[i].texels.width;
-        rectangles[i].h = places[i].texels.height;
-    }
-    return rectangles;
-}
-
-// Returns the width of an atlas that is about square with all the rectangles in it.
-int atlas_width_px(const std::vector<stbrp_rect>& rectangles, int max_side_px) {
-    constexpr double kRoom = 1.05;  // for what remains empty
-    double area = 0.0;
-    int widest_px = 1;
-    for (const stbrp_rect& rectangle : rectangles) {
-        area += static_cast<double>(rectangle.w) * rectangle.h;
-        widest_px = std::max(widest_px, rectangle.w);
-    }
-    return std::min(max_side_px,
-                    std::max(widest_px, static_cast<int>(std::ceil(std::sqrt(kRoom * area)))));
-}
-
-// Packs what fits into one more atlas, and removes it from `rectangles`.
-void pack_one(std::vector<stbrp_rect>& rectangles, int max_side_px, AtlasPlan& plan) {
-    const int width_px = atlas_width_px(rectangles, max_side_px);
-    std::vector<stbrp_node> nodes(static_cast<std::size_t>(width_px));
-    stbrp_context context;
-    stbrp_init_target(&context, width_px, max_side_px, nodes.data(), width_px);
-    stbrp_pack_rects(&context, rectangles.data(), static_cast<int>(rectangles.size()));
-    cv::Rect used;
-    for (const stbrp_rect& rectangle : rectangles) {
-        if (rectangle.was_packed == 0) continue;
-        PlacedCutout& place = plan.places[rectangle.id];
-        place.atlas = static_cast<std::int32_t>(plan.sizes.size());
-        place.texels.x = rectangle.x;
-        place.texels.y = rectangle.y;
-        used |= place.texels;
-    }
-    plan.sizes.push_back(used.size());
-    std::erase_if(rectangles,
-                  [](const stbrp_rect& rectangle) { return rectangle.was_packed != 0; });
 }
 
 AtlasPlan pack_at_scale(const std::vector<Cutout>& cutouts, int max_side_px, double scale) {
@@ -106,8 +62,14 @@ AtlasPlan pack_at_scale(const std::vector<Cutout>& cutouts, int max_side_px, dou
     plan.places.reserve(cutouts.size());
     for (const Cutout& cutout : cutouts)
         plan.places.push_back(place_at_scale(cutout.pixels, scale));
-    std::vector<stbrp_rect> rectangles = rectangles_of(plan.places);
-    while (!rectangles.empty()) pack_one(rectangles, max_side_px, plan);
+    std::vector<cv::Size> sizes;
+    for (const PlacedCutout& place : plan.places) sizes.push_back(place.texels.size());
+    base::RectanglePacking packing = base::pack_rectangles(sizes, max_side_px);
+    for (std::size_t i = 0; i < plan.places.size(); ++i) {
+        plan.places[i].atlas = packing.sheet_of[i];
+        plan.places[i].texels = {packing.corners[i], sizes[i]};
+    }
+    plan.sizes = std::move(packing.sheets);
     return plan;
 }
 

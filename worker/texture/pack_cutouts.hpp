@@ -37,9 +37,8 @@ struct AtlasPlan {
 
 inline constexpr double kMinTexelsPerPixel = 1.0 / 16.0;
 
-// Packs the cutouts into atlases, the highest first, by the skyline method (Jylaenki, "A thousand
-// ways to pack the bin", 2010). All cutouts become smaller by the same factor if they exceed the
-// limits; what even at kMinTexelsPerPixel has no room is left out. Throws Error{InvalidArgument} on
+// Packs the cutouts into atlases. All become smaller by the same factor if they exceed the limits;
+// what even at kMinTexelsPerPixel has no room is left out. Throws Error{InvalidArgument} on
 // wrong limits.
 AtlasPlan pack_cutouts(const std::vector<Cutout>& cutouts, const AtlasOptions& options);
 

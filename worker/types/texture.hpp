@@ -12,6 +12,10 @@ namespace divemesh::types {
 // untextured.
 struct TextureMap {
     static constexpr std::int32_t kUntextured = -1;
+    // Texels around the charts in an atlas that go on as they do, so that smaller mip levels do not
+    // mix them with their neighbours. A chart is a connected part of the surface that takes its
+    // colour from one keyframe.
+    static constexpr int kBorder_px = 4;
 
     std::vector<std::int32_t> atlas_of_triangle;  // or kUntextured
     // The corners of each triangle, 0 to 1 over its atlas, v down (as glTF); 0 if untextured.

@@ -1,12 +1,13 @@
-// node check_tiles.mjs FOLDER: tileset.json and its tiles by the reader of loaders.gl and by
-// Khronos's validator, and what the specification says of boxes and errors.
+// node check_tiles.mjs FOLDER [textured]: tileset.json and its tiles by the reader of loaders.gl and
+// by Khronos's validator, and what the specification says of boxes and errors. Textured tiles carry
+// JPEG images, with fewer pixels than those of the tiles below.
 import { readFileSync } from 'node:fs';
 import { join } from 'node:path';
 import { parse } from '@loaders.gl/core';
 import { Tiles3DLoader } from '@loaders.gl/3d-tiles';
 import validator from 'gltf-validator';
 
-const [folder] = process.argv.slice(2);
+const [folder, expected] = process.argv.slice(2);
 let failed = false;
 const complain = (text) => {
   console.log(`  ${text}`);
@@ -24,6 +25,8 @@ if (tileset.asset.version !== '1.1') complain(`version ${tileset.asset.version}`
 if (tileset.type !== 'TILES3D') complain(`type ${tileset.type}`);
 
 let numTiles = 0;
+let numTextured = 0;
+// Returns the pixels of a tile's images.
 async function check(tile, parentError) {
   ++numTiles;
   const name = tile.content.uri.split('/').pop();
@@ -33,8 +36,19 @@ async function check(tile, parentError) {
   const report = await validator.validateBytes(new Uint8Array(bytesOf(name)));
   for (const message of report.issues.messages)
     if (message.severity === 0) complain(`${name}: ${message.code} at ${message.pointer}`);
-  for (const child of tile.children ?? []) await check(child, tile.lodMetricValue);
+  let numPixels = 0;
+  for (const { mimeType, image } of report.info.resources ?? []) {
+    if (!image) continue;
+    if (mimeType !== 'image/jpeg') complain(`${name}: image of type ${mimeType}`);
+    numPixels += image.width * image.height;
+  }
+  if (numPixels > 0) ++numTextured;
+  let numBelow = 0;
+  for (const child of tile.children ?? []) numBelow += await check(child, tile.lodMetricValue);
+  if (numBelow > 0 && numPixels >= numBelow) complain(`${name}: images as large as those below`);
+  return numPixels;
 }
 await check(tileset.root, tileset.lodMetricValue);
-console.log(`tileset.json: ${numTiles} tiles`);
+if (expected === 'textured' && numTextured === 0) complain('no tile has a texture');
+console.log(`tileset.json: ${numTiles} tiles, ${numTextured} with texture`);
 process.exit(failed ? 1 : 0);

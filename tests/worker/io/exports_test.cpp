@@ -232,9 +232,11 @@ TEST_F(ExportsOfAFolderTest, AMissingSurfaceIsNamed) {
     for (const char* name : {"cloud.ply", "mesh.ply"}) std::filesystem::remove(file(name));
     const std::vector<std::pair<ExportFormat, std::string>> needed = {
         {ExportFormat::Obj, "mesh.ply"},
+        {ExportFormat::Ply, "mesh.ply"},
         {ExportFormat::Las, "mesh.ply"},
         {ExportFormat::Tiles, "mesh.ply"},
         {ExportFormat::Mcap, "cloud.ply"},
+        {ExportFormat::E57, "cloud.ply"},
         {ExportFormat::Colmap, "cloud.ply"},
         {ExportFormat::Nerfstudio, "cloud.ply"}};
     for (const auto& [format, name] : needed) {
@@ -247,7 +249,8 @@ TEST_F(ExportsOfAFolderTest, ABrokenSurfaceIsBadData) {
     for (const char* name : {"cloud.ply", "mesh.ply"})
         write(name,
               "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nend_header\n");
-    for (const auto format : {ExportFormat::Las, ExportFormat::Colmap, ExportFormat::Nerfstudio})
+    for (const auto format :
+         {ExportFormat::Las, ExportFormat::E57, ExportFormat::Colmap, ExportFormat::Nerfstudio})
         EXPECT_EQ(refusal(format).code(), ErrorCode::BadData);
 }
 
@@ -285,7 +288,9 @@ TEST_F(ExportsOfAFolderTest, TheNextReconstructionRemovesThem) {
     export_reconstruction(open(),
                           {ExportFormat::Colmap,
                            ExportFormat::Nerfstudio,
+                           ExportFormat::Ply,
                            ExportFormat::Las,
+                           ExportFormat::E57,
                            ExportFormat::Tiles,
                            ExportFormat::Mcap},
                           std::nullopt,
@@ -299,7 +304,7 @@ TEST_F(ExportsOfAFolderTest, TheNextReconstructionRemovesThem) {
 }
 
 TEST(ExportFormatTest, AnUnknownFormatIsToldWithThoseThatAreThere) {
-    EXPECT_EQ(export_formats("kitti,obj,colmap,nerfstudio,las,3dtiles,mcap").size(), 7U);
+    EXPECT_EQ(export_formats("kitti,obj,ply,colmap,nerfstudio,las,e57,3dtiles,mcap").size(), 9U);
     const Error error = error_of([] { export_formats("kitti,stl"); });
     EXPECT_NE(std::string(error.what()).find("geotiff"), std::string::npos);
 }

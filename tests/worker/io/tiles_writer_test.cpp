@@ -2,49 +2,18 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <functional>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <proj.h>
 #include <set>
 
-#include "tests/worker/io/test_files.hpp"
+#include "tests/worker/io/tiles_of_waves.hpp"
 #include "worker/io/geographic_frame.hpp"
-#include "worker/io/mesh_reader.hpp"
 
 namespace divemesh::io {
 namespace {
 
 using nlohmann::json;
-
-constexpr int kNumCells = 64;
-constexpr double kSize_m = 2.0;
-
-double height_m(double x, double y) { return 0.1 * std::sin(3.0 * x) * std::cos(2.0 * y); }
-
-// Returns a height field over a square of 2 m.
-types::Mesh waves() {
-    types::Mesh mesh;
-    const auto at = [](int row, int column) {
-        return static_cast<std::uint32_t>(row * (kNumCells + 1) + column);
-    };
-    for (int row = 0; row <= kNumCells; ++row)
-        for (int column = 0; column <= kNumCells; ++column) {
-            const double x = kSize_m * column / kNumCells;
-            const double y = kSize_m * row / kNumCells;
-            mesh.vertices.emplace_back(x, y, height_m(x, y));
-            mesh.normals.emplace_back(0.0F, 0.0F, 1.0F);
-            mesh.colors.push_back({10, 200, 30});
-        }
-    for (int row = 0; row < kNumCells; ++row)
-        for (int column = 0; column < kNumCells; ++column) {
-            mesh.triangles.push_back({at(row, column), at(row, column + 1), at(row + 1, column)});
-            mesh.triangles.push_back(
-                {at(row, column + 1), at(row + 1, column + 1), at(row + 1, column)});
-        }
-    return mesh;
-}
 
 double plan_area_m2(const types::Mesh& mesh) {
     double twice = 0.0;
@@ -74,27 +43,13 @@ double rms_error_m(const types::Mesh& mesh) {
     return std::sqrt(sum / area);
 }
 
-class TilesWriterTest : public FileTest {
-protected:
-    json tileset() const { return json::parse(read(file("tiles/tileset.json"))); }
-    types::Mesh mesh_of(const json& tile) const {
-        return read_mesh(file("tiles/" + tile["content"]["uri"].get<std::string>()));
-    }
-    static void for_each(const json& tile, const std::function<void(const json&)>& act) {
-        act(tile);
-        for (const json& child : tile.value("children", json::array())) for_each(child, act);
-    }
-    static Eigen::AlignedBox3d box_of(const json& tile) {
-        const auto b = tile["boundingVolume"]["box"].get<std::array<double, 12>>();
-        const Eigen::Vector3d center(b[0], b[1], b[2]);
-        const Eigen::Vector3d half(b[3], b[7], b[11]);
-        return {center - half, center + half};
-    }
-};
+class TilesWriterTest : public TilesTest {};
 
 TEST_F(TilesWriterTest, LeavesHaveAllTrianglesAndEveryTileTheAreaOfThoseBelow) {
-    write_tiles(
-        file("tiles"), waves(), {.position = std::nullopt, .text = "t", .max_triangles = 700});
+    write_tiles(file("tiles"),
+                waves(),
+                nullptr,
+                {.position = std::nullopt, .text = "t", .max_triangles = 700});
     const json root = tileset()["root"];
     EXPECT_FALSE(root.contains("transform"));
     std::size_t num_leaf_triangles = 0;
@@ -113,15 +68,17 @@ TEST_F(TilesWriterTest, LeavesHaveAllTrianglesAndEveryTileTheAreaOfThoseBelow) {
             EXPECT_NEAR(plan_area_m2(mesh), below_m2, 2e-4);
         }
     });
-    EXPECT_EQ(num_leaf_triangles, 2U * kNumCells * kNumCells);
+    EXPECT_EQ(num_leaf_triangles, 2U * kNumWaveCells * kNumWaveCells);
     EXPECT_EQ(num_tiles, 21);
     EXPECT_LE(mesh_of(root).triangles.size(), 700U);
-    EXPECT_NEAR(plan_area_m2(mesh_of(root)), kSize_m * kSize_m, 1e-3);
+    EXPECT_NEAR(plan_area_m2(mesh_of(root)), kWaves_m * kWaves_m, 1e-3);
 }
 
 TEST_F(TilesWriterTest, ErrorsAreStatedAndBoxesHoldWhatIsBelow) {
-    write_tiles(
-        file("tiles"), waves(), {.position = std::nullopt, .text = "t", .max_triangles = 700});
+    write_tiles(file("tiles"),
+                waves(),
+                nullptr,
+                {.position = std::nullopt, .text = "t", .max_triangles = 700});
     const json whole = tileset();
     EXPECT_EQ(whole["asset"]["version"], "1.1");
     EXPECT_GT(whole["geometricError"], whole["root"]["geometricError"]);
@@ -141,8 +98,10 @@ TEST_F(TilesWriterTest, ErrorsAreStatedAndBoxesHoldWhatIsBelow) {
 }
 
 TEST_F(TilesWriterTest, VerticesOfBordersAreThoseOfTheNeighbourInEveryDetail) {
-    write_tiles(
-        file("tiles"), waves(), {.position = std::nullopt, .text = "t", .max_triangles = 700});
+    write_tiles(file("tiles"),
+                waves(),
+                nullptr,
+                {.position = std::nullopt, .text = "t", .max_triangles = 700});
     const json root = tileset()["root"];
     ASSERT_EQ(root["children"].size(), 4U);
     const types::Mesh coarse = mesh_of(root["children"][0]);
@@ -153,8 +112,8 @@ TEST_F(TilesWriterTest, VerticesOfBordersAreThoseOfTheNeighbourInEveryDetail) {
     std::set<std::uint32_t> border;
     for (const auto& [edge, count] : edges)
         if (count == 1) border.insert({edge.first, edge.second});
-    EXPECT_EQ(border.size(), 4U * kNumCells / 2);  // none was removed
-    const double step_m = kSize_m / kNumCells;
+    EXPECT_EQ(border.size(), 4U * kNumWaveCells / 2);  // none was removed
+    const double step_m = kWaves_m / kNumWaveCells;
     for (const std::uint32_t vertex : border)
         for (const int axis : {0, 1}) {
             const double steps = static_cast<double>(coarse.vertices[vertex][axis]) / step_m;
@@ -164,7 +123,7 @@ TEST_F(TilesWriterTest, VerticesOfBordersAreThoseOfTheNeighbourInEveryDetail) {
 
 TEST_F(TilesWriterTest, APositionPlacesTheTilesOnTheEarthAsProjDoes) {
     const types::GeographicPosition position{-33.5, 151.25, 90.0};
-    write_tiles(file("tiles"), tetrahedron(), {.position = position, .text = "t"});
+    write_tiles(file("tiles"), tetrahedron(), nullptr, {.position = position, .text = "t"});
     const auto values = tileset()["root"]["transform"].get<std::array<double, 16>>();
     const Eigen::Matrix4d T = Eigen::Map<const Eigen::Matrix4d>(values.data());
     const std::unique_ptr<PJ_CONTEXT, decltype(&proj_context_destroy)> context(
@@ -194,7 +153,8 @@ TEST_F(TilesWriterTest, AMeshWithoutTrianglesIsRefused) {
     types::Mesh points = tetrahedron();
     points.triangles.clear();
     EXPECT_EQ(error_of([&] {
-                  write_tiles(file("tiles"), points, {.position = std::nullopt, .text = ""});
+                  write_tiles(
+                      file("tiles"), points, nullptr, {.position = std::nullopt, .text = ""});
               }).code(),
               ErrorCode::BadData);
 }

@@ -252,7 +252,7 @@ TEST(TextureMesh, WithoutSeamsTheAtlasIsTheImageBeyondTheChartToo) {
                           static_cast<int>(std::lround(shift.y())),
                           atlas.cols,
                           atlas.rows);
-    EXPECT_NEAR(cutout.width, 0.6 * 150.0 + 2 * kBorder_px, 12);
+    EXPECT_NEAR(cutout.width, 0.6 * 150.0 + 2 * types::Texture::kBorder_px, 12);
     EXPECT_EQ(cv::norm(atlas, scene.images[2](cutout), cv::NORM_INF), 0.0);
 }
 
