@@ -3,6 +3,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/base/parallel.hpp"
+#include "worker/camera/remap_grey.hpp"
 
 namespace divemesh::camera {
 
@@ -28,6 +29,7 @@ ImageRectifier::ImageRectifier(const RectifiedLens& lens,
 }
 
 cv::Mat ImageRectifier::rectify(const cv::Mat& image) const {
+    if (image.type() == CV_8UC1) return remap_grey(image, pixels_, parts_);
     cv::Mat result;
     cv::remap(image, result, pixels_, parts_, cv::INTER_LINEAR);
     return result;

@@ -37,16 +37,15 @@ NearestCamera cameras_of(const SurfaceErrorInput& input) {
     return NearestCamera(std::move(cameras));
 }
 
-// Returns distance_m(point) of each sample, in order.
-template <typename Surface>
-std::vector<double> distances(const std::vector<Eigen::Vector3f>& samples,
-                              const Surface& surface,
-                              int num_threads) {
-    std::vector<double> result(samples.size());
+// Returns the range of each sample from the nearest camera, in order.
+std::vector<double> ranges(const std::vector<Eigen::Vector3f>& samples,
+                           const NearestCamera& cameras,
+                           int num_threads) {
+    std::vector<double> ranges_m(samples.size());
     base::for_each_index(num_threads, samples.size(), [&](std::size_t i) {
-        result[i] = static_cast<double>(surface.distance_m(samples[i]));
+        ranges_m[i] = static_cast<double>(cameras.distance_m(samples[i]));
     });
-    return result;
+    return ranges_m;
 }
 
 // Returns the entries with a range of at most `limit_m`.
@@ -184,7 +183,7 @@ SurfaceError surface_error(const types::Mesh& mesh_world,
     const auto reference_samples = is_cloud
                                        ? sample_points(reference, input.num_samples)
                                        : sample_surface(reference, input.num_samples, input.seed);
-    auto completeness = distances(reference_samples, SurfaceIndex(mesh), input.num_threads);
+    auto completeness = SurfaceIndex(mesh).distances_m(reference_samples, input.num_threads);
     auto our_samples = sample_surface(mesh, input.num_samples, input.seed);
     const auto num_samples = static_cast<double>(our_samples.size());
 
@@ -193,13 +192,13 @@ SurfaceError surface_error(const types::Mesh& mesh_world,
     std::vector<Eigen::Vector3f> beyond_range;
     if (!input.camera_positions_world.empty()) {
         const NearestCamera cameras = cameras_of(input);
-        const auto ranges_m = distances(our_samples, cameras, input.num_threads);
+        const auto ranges_m = ranges(our_samples, cameras, input.num_threads);
         for (std::size_t i = 0; i < our_samples.size(); ++i)
             if (ranges_m[i] > input.max_range_m) beyond_range.push_back(our_samples[i]);
         our_samples = within(our_samples, ranges_m, input.max_range_m);
         our_ranges_m = within(ranges_m, ranges_m, input.max_range_m);
         auto near = within(completeness,
-                           distances(reference_samples, cameras, input.num_threads),
+                           ranges(reference_samples, cameras, input.num_threads),
                            input.near_range_m);
         std::sort(near.begin(), near.end());
         error.near_completeness = summarise(near);
@@ -207,7 +206,7 @@ SurfaceError surface_error(const types::Mesh& mesh_world,
     std::int64_t num_false = 0;
     const auto compare = [&](const auto& surface) {
         num_false = count_false(beyond_range, surface, input.num_threads);
-        return distances(our_samples, surface, input.num_threads);
+        return surface.distances_m(our_samples, input.num_threads);
     };
     std::vector<double> accuracy;
     if (is_cloud && input.scene == nullptr) {

@@ -1,5 +1,6 @@
 #include "worker/evaluation/surface_index.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <embree3/rtcore.h>
@@ -10,6 +11,10 @@
 
 namespace divemesh::evaluation {
 namespace {
+
+// Points whose search starts from the distance of the one before.
+constexpr std::size_t kRun = 64;
+constexpr float kMargin_m = 1e-3F;  // of rounding errors
 
 bool find_nearest(RTCPointQueryFunctionArguments* arguments) {
     const auto& mesh = *static_cast<const types::Mesh*>(arguments->userPtr);
@@ -84,6 +89,24 @@ float SurfaceIndex::distance_m(const Eigen::Vector3f& point, float max_m) const 
                   find_nearest,
                   const_cast<types::Mesh*>(&implementation_->mesh));  // not modified
     return query.radius;
+}
+
+std::vector<double> SurfaceIndex::distances_m(const std::vector<Eigen::Vector3f>& points,
+                                              int num_threads,
+                                              const base::ProgressShare& progress) const {
+    std::vector<double> distances(points.size());
+    const std::size_t num_runs = (points.size() + kRun - 1) / kRun;
+    base::for_each_index(num_threads, num_runs, progress, [&](std::size_t run) {
+        const std::size_t end = std::min(points.size(), (run + 1) * kRun);
+        float max_m = std::numeric_limits<float>::infinity();
+        for (std::size_t i = run * kRun; i < end; ++i) {
+            const float found_m = distance_m(points[i], max_m);
+            distances[i] = static_cast<double>(found_m);
+            // The next point is at most as much farther as it is away from this one.
+            if (i + 1 < end) max_m = found_m + (points[i + 1] - points[i]).norm() + kMargin_m;
+        }
+    });
+    return distances;
 }
 
 std::optional<float> SurfaceIndex::first_hit_m(const Eigen::Vector3f& origin,

@@ -4,7 +4,9 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <vector>
 
+#include "worker/base/parallel.hpp"
 #include "worker/types/mesh.hpp"
 
 namespace divemesh::evaluation {
@@ -23,6 +25,11 @@ public:
     // the mesh has no triangles.
     float distance_m(const Eigen::Vector3f& point,
                      float max_m = std::numeric_limits<float>::infinity()) const;
+
+    // Returns the distances of points. Fast where points that follow each other are neighbours.
+    std::vector<double> distances_m(const std::vector<Eigen::Vector3f>& points,
+                                    int num_threads,
+                                    const base::ProgressShare& progress = {}) const;
 
     // Returns the distance along a unit direction to the first triangle, from either side; nullopt
     // if there is no hit.
@@ -43,6 +50,10 @@ public:
     float distance_m(const Eigen::Vector3f& point,
                      float max_m = std::numeric_limits<float>::infinity()) const {
         return index_.distance_m(point, max_m);
+    }
+    std::vector<double> distances_m(const std::vector<Eigen::Vector3f>& points,
+                                    int num_threads) const {
+        return index_.distances_m(points, num_threads);
     }
 
 private:

@@ -17,29 +17,32 @@ constexpr float kMarginShare = 0.06F;   // of such a disparity
 constexpr int kStep_px = 64;            // of the number of disparities
 constexpr double kWorthwhile = 0.8;     // of the cost without tiles
 
-// Returns the disparities within a part of the image at half the size, sorted.
+// Returns the disparities within a part of the image at half the size; none if few are known.
 std::vector<float> disparities_within(const cv::Mat& half_disparity_px, const cv::Rect& part) {
     const cv::Rect half =
         cv::Rect(part.x / 2, part.y / 2, (part.width + 1) / 2, (part.height + 1) / 2) &
         cv::Rect({}, half_disparity_px.size());
     std::vector<float> known;
+    known.reserve(static_cast<std::size_t>(half.area()));
     for (int y = half.y; y < half.br().y; ++y) {
         const float* row = half_disparity_px.ptr<float>(y);
         for (int x = half.x; x < half.br().x; ++x)
             if (row[x] > 0.0F) known.push_back(2.0F * row[x]);
     }
     if (static_cast<double>(known.size()) < kMinKnown * half.area()) return {};
-    std::sort(known.begin(), known.end());
     return known;
 }
 
-types::DisparityRange range_of(const std::vector<float>& disparities,
-                               const types::DisparityRange& whole) {
+types::DisparityRange range_of(std::vector<float> disparities, const types::DisparityRange& whole) {
     if (disparities.empty()) return whole;
     const auto few =
-        static_cast<std::size_t>(kFewOutliers * static_cast<double>(disparities.size()));
-    const float low = disparities[few];
-    const float high = disparities[disparities.size() - 1 - few];
+        static_cast<std::ptrdiff_t>(kFewOutliers * static_cast<double>(disparities.size()));
+    const auto low_at = disparities.begin() + few;
+    const auto high_at = disparities.end() - 1 - few;
+    std::nth_element(disparities.begin(), low_at, disparities.end());
+    const float low = *low_at;
+    std::nth_element(low_at, high_at, disparities.end());
+    const float high = *high_at;
     const int end_of_whole = whole.first_px + whole.num_px;
     const int first = std::max(whole.first_px,
                                static_cast<int>(std::floor(low - kMargin_px - kMarginShare * low)));

@@ -56,6 +56,16 @@ TEST(SearchTilesTest, CoverTheImageOnceAndContainWhatTheHalfSizeSaw) {
     EXPECT_EQ(cv::countNonZero(times != 1), 0);
 }
 
+TEST(SearchTilesTest, ARangeHoldsAllButFewDisparitiesInWhateverOrderTheyLie) {
+    cv::Mat half(kHeight_px / 2, kWidth_px / 2, CV_32F);
+    cv::RNG(9).fill(half, cv::RNG::UNIFORM, 40.0, 70.0);  // 80 to 140 px of the whole size
+    for (const SearchTile& tile : search_tiles(half, {kWidth_px, kHeight_px}, kWhole)) {
+        EXPECT_LE(tile.range.first_px, 80 - 12);
+        EXPECT_GE(tile.range.first_px + tile.range.num_px, 140 + 12);
+        EXPECT_EQ(tile.range.num_px, 128);  // of 60, the margins and the step
+    }
+}
+
 TEST(SearchTilesTest, WhereTheHalfSizeSawLittleTheWholeRangeIsSearched) {
     cv::Mat half = half_of(bed_with_a_column);
     half.colRange(0, half.cols / 2).setTo(0.0F);
