@@ -37,8 +37,12 @@ std::string guid_of(const std::string& text) {
     std::string guid = sha256_hex(text).substr(0, 32);
     guid[12] = '8';
     guid[16] = '8';
-    for (const std::size_t at : {8U, 13U, 18U, 23U}) guid.insert(at, "-");
-    return "{" + guid + "}";
+    std::string result = "{";
+    for (std::size_t i = 0; i < guid.size(); ++i) {
+        if (i == 8 || i == 12 || i == 16 || i == 20) result += '-';
+        result += guid[i];
+    }
+    return result + '}';
 }
 
 // Returns a number with as many letters as every other one.
