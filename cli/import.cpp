@@ -15,26 +15,26 @@ namespace divemesh::cli {
 namespace {
 
 // Returns the table of what a recording holds and what it is used for.
-std::string topics_text(const recording::RecordingImport& import) {
+std::string topics_text(const recording::RecordingImport& recorded) {
     std::vector<std::vector<std::string>> rows = {{"topic", "type", "messages", "used as"}};
-    for (std::size_t i = 0; i < import.topics().size(); ++i) {
-        const recording::Topic& topic = import.topics()[i];
+    for (std::size_t i = 0; i < recorded.topics().size(); ++i) {
+        const recording::Topic& topic = recorded.topics()[i];
         rows.push_back({topic.name,
                         topic.type,
                         std::to_string(topic.num_messages),
-                        import.chosen().use_of(i)});
+                        recorded.chosen().use_of(i)});
     }
     return table_text(rows);
 }
 
-nlohmann::json topics_json(const recording::RecordingImport& import) {
+nlohmann::json topics_json(const recording::RecordingImport& recorded) {
     nlohmann::json list = nlohmann::json::array();
-    for (std::size_t i = 0; i < import.topics().size(); ++i) {
-        const recording::Topic& topic = import.topics()[i];
+    for (std::size_t i = 0; i < recorded.topics().size(); ++i) {
+        const recording::Topic& topic = recorded.topics()[i];
         list.push_back({{"name", topic.name},
                         {"type", topic.type},
                         {"num_messages", topic.num_messages},
-                        {"use", import.chosen().use_of(i)}});
+                        {"use", recorded.chosen().use_of(i)}});
     }
     return list;
 }
@@ -46,12 +46,12 @@ int run(const recording::ImportOptions& options, const Context& context) {
         throw_if_interrupted();
         show_progress(bar, state);
     };
-    recording::RecordingImport import(options, progress);
-    if (!context.json) std::cout << topics_text(import) << std::flush;
-    const recording::ImportCounts counts = import.write(progress);
+    recording::RecordingImport recorded(options, progress);
+    if (!context.json) std::cout << topics_text(recorded) << std::flush;
+    const recording::ImportCounts counts = recorded.write(progress);
     if (context.json) {
-        std::cout << nlohmann::json{{"topics", topics_json(import)},
-                                    {"findings", import.findings()},
+        std::cout << nlohmann::json{{"topics", topics_json(recorded)},
+                                    {"findings", recorded.findings()},
                                     {"num_left", counts.num_left},
                                     {"num_right", counts.num_right},
                                     {"num_imu", counts.num_imu},
@@ -60,7 +60,7 @@ int run(const recording::ImportOptions& options, const Context& context) {
                   << '\n';
         return kExitDone;
     }
-    for (const Finding& finding : import.findings()) std::cout << finding_text(finding);
+    for (const Finding& finding : recorded.findings()) std::cout << finding_text(finding);
     std::cout << options.out.string() << ": " << counts.num_left << " left and " << counts.num_right
               << " right images, " << counts.num_imu << " IMU rows, " << counts.num_pressures
               << " depths\n";

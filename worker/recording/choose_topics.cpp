@@ -148,6 +148,9 @@ ChosenTopics choose_topics(const std::vector<Topic>& topics, const NamedTopics& 
         chosen.left = named_topic(topics, named.left, is_image, chosen);
         chosen.right = named_topic(topics, named.right, is_image, chosen);
     }
+    if (chosen.left && chosen.right &&
+        is_rectified(topics[*chosen.left]) != is_rectified(topics[*chosen.right]))
+        chosen.problem = "one camera's images are rectified, the other's are not: name two alike";
     chosen.left_info = info_of(topics, chosen.left);
     chosen.right_info = info_of(topics, chosen.right);
     choose_imu(topics, named.imu, chosen);
@@ -156,6 +159,14 @@ ChosenTopics choose_topics(const std::vector<Topic>& topics, const NamedTopics& 
     return chosen;
 }
 
-bool is_rectified(const Topic& topic) { return topic.name.find("rect") != std::string::npos; }
+bool is_rectified(const Topic& topic) {
+    std::string_view rest = topic.name;
+    while (!rest.empty()) {
+        const std::string_view word = rest.substr(0, rest.find_first_of("/_"));
+        if (word == "rect" || word == "rectified") return true;
+        rest.remove_prefix(std::min(rest.size(), word.size() + 1));
+    }
+    return false;
+}
 
 }  // namespace divemesh::recording

@@ -34,7 +34,8 @@ struct ChosenTopics {
 // left and right or cam0 and cam1. Whatever is not clear is a problem.
 ChosenTopics choose_topics(const std::vector<Topic>& topics, const NamedTopics& named);
 
-// Returns whether a topic holds rectified images, by its name as image_proc gives it.
+// Returns whether a topic holds rectified images: its name has the word rect, as image_proc gives
+// it.
 bool is_rectified(const Topic& topic);
 
 }  // namespace divemesh::recording

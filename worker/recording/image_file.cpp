@@ -70,16 +70,23 @@ cv::Mat copied(const RawImage& image, int type) {
     return pixels;
 }
 
+std::vector<unsigned char> png_of(cv::Mat pixels, int conversion) {
+    std::vector<unsigned char> png;
+    try {
+        if (conversion != kAsItIs) cv::cvtColor(pixels, pixels, conversion);
+        // The fastest compression: images of water are noise in their lower bits.
+        if (cv::imencode(".png", pixels, png, {cv::IMWRITE_PNG_COMPRESSION, 1})) return png;
+    } catch (const cv::Exception&) {
+        png.clear();
+    }
+    fail("it cannot be written as PNG");
+}
+
 }  // namespace
 
 ImageFile image_file(const RawImage& image) {
     const Encoding& encoding = encoding_of(image);
-    cv::Mat pixels = copied(image, encoding.type);
-    if (encoding.conversion != kAsItIs) cv::cvtColor(pixels, pixels, encoding.conversion);
-    std::vector<unsigned char> png;
-    // The fastest compression: images of water are noise below their upper bits.
-    if (!cv::imencode(".png", pixels, png, {cv::IMWRITE_PNG_COMPRESSION, 1}))
-        fail("it cannot be written as PNG");
+    const auto png = png_of(copied(image, encoding.type), encoding.conversion);
     ImageFile file;
     file.bytes.assign(png.begin(), png.end());
     file.header = dive::read_image_header(file.bytes);

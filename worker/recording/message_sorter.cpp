@@ -94,13 +94,13 @@ std::int64_t MessageSorter::time_ns(const LoggedMessage& message, const MessageH
     return message.log_time_ns;
 }
 
-// Throws Error{InvalidArgument} for an image of another size than the calibration's: a calibration
-// of another size is wrong for all of them.
+// Throws for an image of another size than the calibration's: Error{InvalidArgument} for the first
+// one, as the calibration is wrong for all of them then, Error{BadData} for a later one.
 void MessageSorter::check_size(Side side, const ImageFile& image, const std::string& topic) const {
     const types::Camera& camera = (side == Side::Left ? rig_.cam0 : rig_.cam1).camera;
     if (image.header.width_px == camera.width_px && image.header.height_px == camera.height_px)
         return;
-    throw Error(ErrorCode::InvalidArgument,
+    throw Error(writer_.num_images(side) == 0 ? ErrorCode::InvalidArgument : ErrorCode::BadData,
                 topic + " has images of " + std::to_string(image.header.width_px) + " x " +
                     std::to_string(image.header.height_px) + " px, its calibration is for " +
                     std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px) +

@@ -69,5 +69,15 @@ TEST(ChooseTopicsTest, WhatIsNotClearIsAProblemThatNamesTheOption) {
     EXPECT_NE(choose_topics(empty_right, {}).problem, "");
 }
 
+TEST(ChooseTopicsTest, RectifiedImagesAreToldByTheWordAlone) {
+    EXPECT_TRUE(is_rectified(topic("/left/image_rect_color", "Image")));
+    EXPECT_TRUE(is_rectified(topic("/left/rect/image", "Image")));
+    EXPECT_FALSE(is_rectified(topic("/direct/left/image_raw", "Image")));
+    const NamedTopics named = {"/left/image_rect", "/right/image_raw", ""};
+    const auto chosen = choose_topics(
+        {topic("/left/image_rect", "Image"), topic("/right/image_raw", "Image")}, named);
+    EXPECT_NE(chosen.problem.find("rectified"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace divemesh::recording

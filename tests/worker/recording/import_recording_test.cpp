@@ -51,15 +51,15 @@ protected:
         options.out = folder_ / "dive";
         return options;
     }
-    ImportCounts import(const ImportOptions& options) {
-        RecordingImport import(options, base::ignore_progress);
-        const ImportCounts counts = import.write(base::ignore_progress);
-        findings_ = import.findings();
+    ImportCounts imported(const ImportOptions& options) {
+        RecordingImport recorded(options, base::ignore_progress);
+        const ImportCounts counts = recorded.write(base::ignore_progress);
+        findings_ = recorded.findings();
         return counts;
     }
     std::string refusal_of(const ImportOptions& options) {
         try {
-            import(options);
+            imported(options);
             ADD_FAILURE() << "it was not refused";
         } catch (const Error& error) {
             EXPECT_FALSE(fs::exists(options.out));
@@ -192,7 +192,7 @@ TEST_F(ImportSharedDiveTest, ABagOfPixelsIsTheSameDive) {
     });
     ImportOptions options = options_for(writer.finished());
     options.calibration = tank_;
-    const ImportCounts counts = import(options);
+    const ImportCounts counts = imported(options);
     EXPECT_EQ(counts.num_left, 30);
     EXPECT_EQ(counts.num_right, 30);
     for (const auto& [time_ns, name] : truth.images())
@@ -222,7 +222,7 @@ TEST_F(ImportSharedDiveTest, AnMcapOfCompressedImagesIsTheSameDiveToTheByte) {
         ImportOptions options = options_for(bytes);
         options.calibration = tank_ / "mav0";
         options.out = folder_ / (wire == Wire::BigCdr ? "big" : "little");
-        EXPECT_EQ(import(options).num_left, 30);
+        EXPECT_EQ(imported(options).num_left, 30);
         for (const auto& [time_ns, name] : truth.images())
             for (const char* camera : {"cam0", "cam1"})
                 EXPECT_EQ(text_of(options.out / "mav0" / camera / "data" /
@@ -283,7 +283,7 @@ private:
 TEST_F(ImportRecordingTest, CameraInfoOfRawImagesGivesLensesAndTheRelativePose) {
     InfoPair pair;
     const ImportOptions options = options_for(pair.recording("image_raw"));
-    EXPECT_EQ(import(options).num_left, 1);
+    EXPECT_EQ(imported(options).num_left, 1);
     EXPECT_TRUE(has_code("imu_left_out"));
     EXPECT_FALSE(fs::exists(options.out / "mav0" / "imu0"));
     dive::FindingLog findings;
@@ -302,7 +302,7 @@ TEST_F(ImportRecordingTest, CameraInfoOfRawImagesGivesLensesAndTheRelativePose) 
 TEST_F(ImportRecordingTest, CameraInfoOfRectifiedImagesGivesThePinholesOfP) {
     InfoPair pair;
     const ImportOptions options = options_for(pair.recording("image_rect"));
-    import(options);
+    imported(options);
     dive::FindingLog findings;
     const RigFiles rig = rig_of_folder(options.out, findings);
     EXPECT_EQ(rig.cam1.camera.fx_px, 55.0);
@@ -314,7 +314,7 @@ TEST_F(ImportRecordingTest, CameraInfoOfRectifiedImagesGivesThePinholesOfP) {
 
 TEST_F(ImportRecordingTest, AMessageWithoutAStampHasTheTimeOfRecording) {
     const ImportOptions options = options_for(InfoPair().recording("image_raw", 0));
-    import(options);
+    imported(options);
     EXPECT_TRUE(fs::exists(options.out / "mav0" / "cam0" / "data" / "6000000000.png"));
     EXPECT_TRUE(has_code("stamp_missing"));
 }
@@ -337,9 +337,9 @@ TEST_F(ImportRecordingTest, ACalibrationThatDoesNotFitIsRefusedWithWhatToDo) {
 
 TEST_F(ImportRecordingTest, AFolderThatIsNotEmptyStaysAsItIs) {
     const ImportOptions options = options_for(InfoPair().recording("image_raw"));
-    import(options);
+    imported(options);
     const std::string before = text_of(options.out / "dive.json");
-    EXPECT_THROW(import(options), Error);
+    EXPECT_THROW(imported(options), Error);
     EXPECT_EQ(text_of(options.out / "dive.json"), before);
 }
 

@@ -112,7 +112,7 @@ TEST_F(MessageLogTest, ACutFileGivesWhatIsBeforeTheCutAndAWarning) {
                                      mcap("zstd"),
                                      mcap("outside")}) {
         std::size_t most = 0;
-        for (std::size_t size = 0; size < whole.size(); ++size) {
+        for (std::size_t size = 0; size <= whole.size(); ++size) {
             try {
                 const ReadBack result = read(whole.substr(0, size));
                 EXPECT_GE(result.messages.size(), most) << size;
