@@ -30,25 +30,10 @@ protected:
 };
 
 TEST_F(CommandLineTest, HelpsWithEverySubCommand) {
-    for (const std::string command : {"serve",
-                                      "worker",
-                                      "token",
-                                      "upload",
-                                      "dives",
-                                      "jobs",
-                                      "download",
-                                      "cancel",
-                                      "retry",
-                                      "queue",
-                                      "workers",
-                                      "schedules",
-                                      "reconstruct",
-                                      "evaluate",
-                                      "report",
-                                      "simulate",
-                                      "validate",
-                                      "backup",
-                                      "restore"}) {
+    for (const std::string command :
+         {"serve",  "worker", "token",    "upload",   "dives",     "jobs",        "download",
+          "cancel", "retry",  "queue",    "workers",  "schedules", "reconstruct", "evaluate",
+          "import", "report", "simulate", "validate", "backup",    "restore"}) {
         const Outcome outcome = run({command, "--help"});
         EXPECT_EQ(outcome.exit_code, 0) << command;
         EXPECT_NE(outcome.out.find("Usage: divemesh " + command), std::string::npos) << outcome.out;

@@ -1,0 +1,49 @@
+#include <fstream>
+
+#include "schemas/error.hpp"
+#include "tests/fuzz/input.hpp"
+#include "tests/temporary_folder.hpp"
+#include "worker/recording/image_file.hpp"
+#include "worker/recording/message_log.hpp"
+
+namespace divemesh::recording {
+namespace {
+
+// Parses a message as each of those that a dive is made of.
+void parse(std::size_t kind, Serialization serialization, std::string_view bytes) {
+    if (kind == 0) image_file(parse_image(serialization, bytes));
+    if (kind == 1) image_file(parse_compressed_image(serialization, bytes));
+    if (kind == 2) parse_imu_message(serialization, bytes);
+    if (kind == 3) parse_camera_info(serialization, bytes);
+    if (kind == 4) parse_fluid_pressure(serialization, bytes);
+}
+
+void parse_every_way(std::string_view bytes) {
+    for (const auto serialization : {Serialization::Ros1, Serialization::Cdr})
+        for (std::size_t kind = 0; kind < 5; ++kind) try {
+                parse(kind, serialization, bytes);
+            } catch (const Error&) {
+                continue;
+            }
+}
+
+}  // namespace
+}  // namespace divemesh::recording
+
+// Fuzzes a file given as a recording, a ROS bag or MCAP, and the messages in it.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    static const divemesh::TemporaryFolder folder;
+    const auto file = folder / "recording";
+    std::ofstream(file, std::ios::binary)
+        .write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+    try {
+        divemesh::dive::FindingLog findings;
+        divemesh::recording::MessageLog log(file, findings);
+        while (const auto message = log.next()) {
+            divemesh::recording::parse_every_way(message->bytes);
+        }
+    } catch (const divemesh::Error&) {
+        return 0;
+    }
+    return 0;
+}

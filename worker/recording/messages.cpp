@@ -1,0 +1,84 @@
+#include "worker/recording/messages.hpp"
+
+#include "worker/recording/deserializer.hpp"
+
+namespace divemesh::recording {
+namespace {
+
+constexpr std::int64_t kNsPerS = 1'000'000'000;
+
+// Takes std_msgs/Header. That of ROS 1 begins with a number in the sequence and has seconds without
+// a sign.
+MessageHeader take_header(Deserializer& fields) {
+    MessageHeader header;
+    if (fields.is_ros1()) {
+        fields.take<std::uint32_t>();
+        header.timestamp_ns = fields.take<std::uint32_t>() * kNsPerS;
+    } else {
+        header.timestamp_ns = fields.take<std::int32_t>() * kNsPerS;
+    }
+    header.timestamp_ns += fields.take<std::uint32_t>();
+    header.frame = fields.take_text();
+    return header;
+}
+
+}  // namespace
+
+RawImage parse_image(Serialization serialization, std::string_view bytes) {
+    Deserializer fields(serialization, bytes);
+    RawImage image;
+    image.header = take_header(fields);
+    image.height_px = fields.take<std::uint32_t>();
+    image.width_px = fields.take<std::uint32_t>();
+    image.encoding = fields.take_text();
+    image.is_big_endian = fields.take<std::uint8_t>() != 0;
+    image.row_bytes = fields.take<std::uint32_t>();
+    image.pixels = fields.take_bytes();
+    return image;
+}
+
+CompressedImage parse_compressed_image(Serialization serialization, std::string_view bytes) {
+    Deserializer fields(serialization, bytes);
+    CompressedImage image;
+    image.header = take_header(fields);
+    image.format = fields.take_text();
+    image.file = fields.take_bytes();
+    return image;
+}
+
+ImuMessage parse_imu_message(Serialization serialization, std::string_view bytes) {
+    Deserializer fields(serialization, bytes);
+    ImuMessage imu;
+    imu.header = take_header(fields);
+    fields.take_array<double, 4 + 9>();  // orientation and its covariance
+    imu.angular_velocity = fields.take_array<double, 3>();
+    fields.take_array<double, 9>();  // covariance
+    imu.acceleration = fields.take_array<double, 3>();
+    fields.take_array<double, 9>();  // covariance
+    return imu;
+}
+
+PressureMessage parse_fluid_pressure(Serialization serialization, std::string_view bytes) {
+    Deserializer fields(serialization, bytes);
+    PressureMessage pressure;
+    pressure.header = take_header(fields);
+    pressure.pressure_pa = fields.take<double>();
+    return pressure;
+}
+
+CameraInfo parse_camera_info(Serialization serialization, std::string_view bytes) {
+    Deserializer fields(serialization, bytes);
+    CameraInfo info;
+    info.frame = take_header(fields).frame;
+    info.height_px = fields.take<std::uint32_t>();
+    info.width_px = fields.take<std::uint32_t>();
+    info.distortion_model = fields.take_text();
+    info.distortion_coefficients.resize(fields.take_length(sizeof(double)));
+    for (double& value : info.distortion_coefficients) value = fields.take<double>();
+    info.camera_matrix = fields.take_array<double, 9>();
+    info.rectification = fields.take_array<double, 9>();
+    info.projection = fields.take_array<double, 12>();
+    return info;
+}
+
+}  // namespace divemesh::recording

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "worker/recording/container.hpp"
+
+// The messages of ROS that a dive is made of, and their parsers. All throw Error{BadData} with the
+// reason if the bytes are not such a message. Views are into the bytes.
+namespace divemesh::recording {
+
+// When and in which frame a message was measured.
+struct MessageHeader {
+    std::int64_t timestamp_ns = 0;  // 0: not stated
+    std::string_view frame;
+};
+
+// sensor_msgs/Image
+struct RawImage {
+    MessageHeader header;
+    std::uint32_t width_px = 0;
+    std::uint32_t height_px = 0;
+    std::string_view encoding;  // "mono8", "bgr8" ...
+    bool is_big_endian = false;
+    std::uint32_t row_bytes = 0;
+    std::string_view pixels;
+};
+
+// sensor_msgs/CompressedImage
+struct CompressedImage {
+    MessageHeader header;
+    std::string_view format;
+    std::string_view file;  // PNG or JPEG, as it is
+};
+
+// sensor_msgs/Imu
+struct ImuMessage {
+    MessageHeader header;
+    std::array<double, 3> angular_velocity{};  // rad/s
+    std::array<double, 3> acceleration{};      // m/s^2, specific force
+};
+
+// sensor_msgs/FluidPressure
+struct PressureMessage {
+    MessageHeader header;
+    double pressure_pa = 0.0;  // absolute
+};
+
+// sensor_msgs/CameraInfo. R maps the camera to its rectified frame, P is the projection there.
+struct CameraInfo {
+    std::string frame;
+    std::uint32_t width_px = 0;
+    std::uint32_t height_px = 0;
+    std::string distortion_model;
+    std::vector<double> distortion_coefficients;
+    std::array<double, 9> camera_matrix{};
+    std::array<double, 9> rectification{};
+    std::array<double, 12> projection{};
+};
+
+RawImage parse_image(Serialization serialization, std::string_view bytes);
+CompressedImage parse_compressed_image(Serialization serialization, std::string_view bytes);
+ImuMessage parse_imu_message(Serialization serialization, std::string_view bytes);
+PressureMessage parse_fluid_pressure(Serialization serialization, std::string_view bytes);
+CameraInfo parse_camera_info(Serialization serialization, std::string_view bytes);
+
+}  // namespace divemesh::recording

@@ -1,0 +1,160 @@
+#include "worker/recording/rig_files.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <iomanip>
+#include <sstream>
+
+#include "schemas/error.hpp"
+#include "worker/dive/sensor_yaml.hpp"
+#include "worker/recording/input_file.hpp"
+
+namespace divemesh::recording {
+namespace {
+
+constexpr int kDigits = 15;
+constexpr std::size_t kMaxCoefficients = 14;  // OpenCV's largest model
+constexpr const char* kRemedy = ": state the calibration by --calibration";
+
+[[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::BadData, what); }
+
+std::string list_text(const std::vector<double>& values) {
+    std::ostringstream out;
+    out << std::setprecision(kDigits) << '[';
+    for (std::size_t i = 0; i < values.size(); ++i) out << (i == 0 ? "" : ", ") << values[i];
+    out << ']';
+    return out.str();
+}
+
+std::string camera_yaml(const dive::SensorYaml& yaml) {
+    const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = *yaml.T_body_sensor;
+    std::string text =
+        "sensor_type: camera\ncomment: from CameraInfo\nT_BS:\n  cols: 4\n  rows: 4\n";
+    text += "  data: " + list_text({T.data(), T.data() + T.size()});
+    text += "\nresolution: " + list_text(yaml.resolution);
+    text += "\ncamera_model: " + yaml.camera_model;
+    text += "\nintrinsics: " + list_text(yaml.intrinsics);
+    text += "\ndistortion_model: " + yaml.distortion_model;
+    text += "\ndistortion_coefficients: " + list_text(yaml.distortion_coefficients) + "\n";
+    return text;
+}
+
+// Throws the first error of `findings`, if there is one, and passes the rest on.
+void pass_on(const dive::FindingLog& findings, dive::FindingLog& all) {
+    for (const Finding& finding : findings.all()) {
+        if (finding.severity == Severity::Error)
+            fail(finding.where + ": " + finding.message + ": " + finding.remedy);
+        all.add(finding);
+    }
+}
+
+dive::CalibratedCamera checked_camera(const std::string& text,
+                                      const std::string& file,
+                                      dive::FindingLog& all) {
+    dive::FindingLog findings;
+    const auto yaml = dive::parse_sensor_yaml(text, file, findings);
+    const auto camera = yaml ? dive::calibrated_camera(*yaml, file, findings) : std::nullopt;
+    pass_on(findings, all);
+    return camera.value();  // without an error there is one
+}
+
+void check(RigFiles& rig, dive::FindingLog& all) {
+    rig.cam0 = checked_camera(rig.cam0_yaml, "mav0/cam0/sensor.yaml", all);
+    rig.cam1 = checked_camera(rig.cam1_yaml, "mav0/cam1/sensor.yaml", all);
+    dive::FindingLog findings;
+    dive::check_stereo(rig.cam0, rig.cam1, findings);
+    pass_on(findings, all);
+}
+
+std::string text_of(const std::filesystem::path& file) {
+    const InputFile input(file);
+    return input.read(0, dive::kMaxYamlBytes);
+}
+
+Eigen::Matrix3d rectification_of(const CameraInfo& info) {
+    const Eigen::Matrix3d R_rect_cam =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(info.rectification.data());
+    return R_rect_cam.isZero() ? Eigen::Matrix3d::Identity() : R_rect_cam;
+}
+
+// Returns by how much the projection moves the camera along x in the rectified frame, in m.
+double shift_m(const CameraInfo& info) { return -info.projection[3] / info.projection[0]; }
+
+Eigen::Isometry3d pose_of_right(const CameraInfo& left,
+                                const CameraInfo& right,
+                                Rectification rectification) {
+    const Eigen::Vector3d baseline(shift_m(right) - shift_m(left), 0.0, 0.0);
+    Eigen::Isometry3d T_cam0_cam1 = Eigen::Isometry3d::Identity();
+    T_cam0_cam1.translation() = baseline;
+    if (rectification == Rectification::Rectified) return T_cam0_cam1;
+    const Eigen::Matrix3d R_cam0_rect = rectification_of(left).transpose();
+    T_cam0_cam1.linear() = R_cam0_rect * rectification_of(right);
+    T_cam0_cam1.translation() = R_cam0_rect * baseline;
+    return T_cam0_cam1;
+}
+
+// Returns the name of a lens model that sensor.yaml knows; a rational model whose further
+// coefficients are 0 is the radial-tangential one.
+std::string distortion_of(const CameraInfo& info) {
+    const auto& k = info.distortion_coefficients;
+    const std::string& model = info.distortion_model;
+    const bool is_name = std::all_of(model.begin(), model.end(), [](char letter) {
+        return (letter >= 'a' && letter <= 'z') || letter == '_' || letter == '-';
+    });
+    if (!is_name || model.size() > kMaxName_bytes || k.size() > kMaxCoefficients)
+        fail(std::string("the lens model of CameraInfo is not one of ROS") + kRemedy);
+    if (std::all_of(k.begin(), k.end(), [](double value) { return value == 0.0; })) return "none";
+    return model == "rational_polynomial" ? "plumb_bob" : model;
+}
+
+dive::SensorYaml yaml_of(const CameraInfo& info,
+                         const Eigen::Isometry3d& T_body_cam,
+                         Rectification rectification) {
+    dive::SensorYaml yaml;
+    yaml.T_body_sensor = T_body_cam.matrix();
+    yaml.camera_model = "pinhole";
+    yaml.resolution = {static_cast<double>(info.width_px), static_cast<double>(info.height_px)};
+    if (rectification == Rectification::Rectified) {
+        const auto& p = info.projection;
+        yaml.intrinsics = {p[0], p[5], p[2], p[6]};
+        yaml.distortion_model = "none";
+        return yaml;
+    }
+    const auto& k = info.camera_matrix;
+    yaml.intrinsics = {k[0], k[4], k[2], k[5]};
+    yaml.distortion_model = distortion_of(info);
+    if (yaml.distortion_model != "none")
+        yaml.distortion_coefficients = info.distortion_coefficients;
+    return yaml;
+}
+
+}  // namespace
+
+RigFiles rig_of_folder(const std::filesystem::path& folder, dive::FindingLog& findings) {
+    const auto root = std::filesystem::exists(folder / "mav0") ? folder / "mav0" : folder;
+    RigFiles rig;
+    rig.cam0_yaml = text_of(root / "cam0" / "sensor.yaml");
+    rig.cam1_yaml = text_of(root / "cam1" / "sensor.yaml");
+    const auto imu_yaml = root / "imu0" / "sensor.yaml";
+    if (std::filesystem::exists(imu_yaml)) rig.imu_yaml = text_of(imu_yaml);
+    check(rig, findings);
+    return rig;
+}
+
+RigFiles rig_of_infos(const CameraInfo& left,
+                      const CameraInfo& right,
+                      Rectification rectification,
+                      dive::FindingLog& findings) {
+    if (left.camera_matrix[0] == 0.0 || right.camera_matrix[0] == 0.0)
+        fail(std::string("CameraInfo says that the cameras are not calibrated") + kRemedy);
+    if (left.projection[0] == 0.0 || right.projection[0] == 0.0 || shift_m(left) == shift_m(right))
+        fail(std::string("CameraInfo states no baseline in P of the right camera") + kRemedy);
+    RigFiles rig;
+    rig.cam0_yaml = camera_yaml(yaml_of(left, Eigen::Isometry3d::Identity(), rectification));
+    rig.cam1_yaml =
+        camera_yaml(yaml_of(right, pose_of_right(left, right, rectification), rectification));
+    check(rig, findings);
+    return rig;
+}
+
+}  // namespace divemesh::recording

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "worker/dive/calibration.hpp"
+#include "worker/recording/messages.hpp"
+
+namespace divemesh::recording {
+
+// The calibration of a rig as files of a dive, and the cameras that they describe.
+struct RigFiles {
+    std::string cam0_yaml;
+    std::string cam1_yaml;
+    std::optional<std::string> imu_yaml;  // nullopt: where the IMU is, is not known
+    dive::CalibratedCamera cam0;
+    dive::CalibratedCamera cam1;
+};
+
+// Reads the sensor.yaml files of another dive (of mav0/ or its parent): cam0, cam1 and imu0, if it
+// is there. Throws Error{BadData} or Error{NotFound} with the reason if they are not a stereo rig.
+RigFiles rig_of_folder(const std::filesystem::path& folder, dive::FindingLog& findings);
+
+// Whether images are as the sensor recorded them, or already rectified.
+enum class Rectification { Raw, Rectified };
+
+// Returns the rig that the CameraInfo of both cameras describes, with cam0 as its body. Throws
+// Error{BadData} with the reason if they are not those of a calibrated pair.
+RigFiles rig_of_infos(const CameraInfo& left,
+                      const CameraInfo& right,
+                      Rectification rectification,
+                      dive::FindingLog& findings);
+
+}  // namespace divemesh::recording
