@@ -113,6 +113,7 @@ double TileTexture::texel_m() const {
 types::Texture TileTexture::pack(int num_halvings) const {
     const std::vector<cv::Rect> pixels = bordered(num_halvings);
     std::vector<cv::Size> sizes;
+    sizes.reserve(pixels.size());
     for (const cv::Rect& of_chart : pixels) sizes.push_back(of_chart.size());
     types::Texture packed;
     packed.atlas_of_triangle.assign(map_.uv.size(), types::Texture::kUntextured);

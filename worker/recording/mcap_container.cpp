@@ -113,7 +113,7 @@ McapContainer::McapContainer(InputFile file,
 // Learns the channels from the end of the file, where it repeats them: their first place may be in
 // a chunk that is damaged.
 void McapContainer::learn_summary() {
-    constexpr std::int64_t kFooter_bytes = kRecordHead_bytes + 2 * 8 + 4;
+    constexpr std::int64_t kFooter_bytes = kRecordHead_bytes + 20;  // two places and a CRC
     const std::int64_t end = file_.size_bytes() - std::ssize(kMcapMagic) - kFooter_bytes;
     if (end < 0) return;
     const std::string footer = file_.read(end, kFooter_bytes);
