@@ -21,7 +21,7 @@ inline constexpr double kMinDisparitySigma_px = 0.1;  // lower bound of all stat
 // coarser ones it grows by a fifth per level: with all of the level's voxel 4.2 % of the barge are
 // farther than 50 mm from the truth, with this 1.8 % (without levels 1.7 %), with that of the
 // median depth alone 4 % of what lies within 20 mm are lost. Where most of a dive is near that
-// would leave out a hall 5 m away, so that a standard deviation of 1.5 % of the level's depth is
+// would leave out a hall 5 m away, so that a standard deviation of 1.7 % of the level's depth is
 // always allowed.
 double tolerated_voxel_m(const types::RectifiedRig& rig, double median_voxel_m, int num_coarser);
 
