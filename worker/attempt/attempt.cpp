@@ -21,6 +21,7 @@
 #include "worker/dive/intake.hpp"
 #include "worker/pipeline/check_cameras.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
+#include "worker/recording/recorded_dive.hpp"
 #include "worker/report/accuracy_report.hpp"
 #include "worker/report/truth_check.hpp"
 
@@ -74,8 +75,8 @@ void write_thumbnail(const std::filesystem::path& file, const std::string& jpeg)
 }
 
 void run_intake(const AttemptRequest& request) {
-    const dive::IntakeReport report =
-        dive::examine_dive(request.dive, request.scratch, reporter(), pipeline::check_cameras);
+    const dive::IntakeReport report = recording::examine_recording(
+        request.dive, request.scratch, reporter(), pipeline::check_cameras);
     if (!report.thumbnail_jpeg.empty())
         write_thumbnail(request.out / "thumbnail.jpg", report.thumbnail_jpeg);
     send(IntakeAnswer{.findings = report.findings,
