@@ -11,8 +11,7 @@
 #include "cli/text.hpp"
 #include "schemas/json.hpp"
 #include "worker/dive/intake.hpp"
-#include "worker/pipeline/check_cameras.hpp"
-#include "worker/recording/recorded_dive.hpp"
+#include "worker/pipeline/examine.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -27,7 +26,7 @@ dive::IntakeReport examine(const fs::path& dive) {
         throw_if_interrupted();
         show_progress(bar, state);
     };
-    return recording::examine_recording(dive, scratch.path(), progress, pipeline::check_cameras);
+    return pipeline::examine(dive, scratch.path(), progress);
 }
 
 int validate(const fs::path& dive, const Context& context) {

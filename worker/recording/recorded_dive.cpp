@@ -37,17 +37,4 @@ std::filesystem::path as_dive(const std::filesystem::path& path,
     return options.out;
 }
 
-dive::IntakeReport examine_recording(const std::filesystem::path& path,
-                                     const std::filesystem::path& scratch,
-                                     const base::ProgressCallback& progress,
-                                     const dive::RecordingCheck& check) {
-    try {
-        return dive::examine_dive(as_dive(path, scratch, progress), scratch, progress, check);
-    } catch (const dive::Refusal& refusal) {
-        dive::IntakeReport report;
-        report.findings.push_back(refusal.finding());
-        return report;
-    }
-}
-
 }  // namespace divemesh::recording

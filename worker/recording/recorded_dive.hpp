@@ -3,7 +3,6 @@
 #include <filesystem>
 
 #include "worker/base/observer.hpp"
-#include "worker/dive/intake.hpp"
 
 namespace divemesh::recording {
 
@@ -17,11 +16,5 @@ bool is_recording(const std::filesystem::path& file);
 std::filesystem::path as_dive(const std::filesystem::path& path,
                               const std::filesystem::path& scratch,
                               const base::ProgressCallback& progress);
-
-// Examines a dive, or a recording as the dive that it is turned into, as dive::examine_dive() does.
-dive::IntakeReport examine_recording(const std::filesystem::path& path,
-                                     const std::filesystem::path& scratch,
-                                     const base::ProgressCallback& progress,
-                                     const dive::RecordingCheck& check = {});
 
 }  // namespace divemesh::recording
