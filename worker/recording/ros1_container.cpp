@@ -89,40 +89,12 @@ std::optional<RecordHead> read_head(const InputFile& file, std::int64_t offset_b
     return head;
 }
 
-// The decompressed records of a block, or what is wrong with it.
-struct OpenedBlock {
-    std::string bytes;
-    std::string problem;  // "" if there is none
-};
-
-// Opens a chunk from its whole record, which the file may cut: then the records before the cut
-// are given. Other records are given as they are.
-OpenedBlock open_block(std::string bytes) {
-    ByteCursor cursor(bytes);
-    const auto header = cursor.take_sized<std::uint32_t>();
-    const auto data_bytes = cursor.take<std::uint32_t>();
-    if (!header || !data_bytes) return {"", "the head of a record is damaged"};
-    if (number_in<std::uint8_t>(*header, "op") != kChunk) return {std::move(bytes), ""};
-    const auto name = field(*header, "compression");
-    const auto size = number_in<std::uint32_t>(*header, "size");
-    const auto codec = name ? codec_from_text(*name) : std::nullopt;
-    if (!size) return {"", "the head of a chunk is damaged"};
-    if (!codec || *codec == Codec::Zstd)
-        return {"", "a chunk is compressed in a way that is not known"};
-    if (*size > kMaxBlock_bytes)
-        return {"", "a chunk states " + std::to_string(*size) + " bytes, which is absurd"};
-    Unpacked unpacked = unpack(*codec, cursor.rest().substr(0, *data_bytes), *size);
-    if (!unpacked.is_whole && *data_bytes <= cursor.rest().size())
-        return {"", "a chunk does not decompress to the size that it states"};
-    return {std::move(unpacked.bytes), ""};
-}
-
 }  // namespace
 
 Ros1Container::Ros1Container(InputFile file,
                              dive::FindingLog& findings,
                              const base::ProgressCallback& progress)
-    : Container(std::move(file)) {
+    : ChunkedContainer(std::move(file)) {
     scan(findings, progress);
 }
 
@@ -145,17 +117,26 @@ void Ros1Container::scan(dive::FindingLog& findings, const base::ProgressCallbac
     }
 }
 
-// Adds a chunk, or a record outside of chunks, unless it is damaged.
-void Ros1Container::add(const Block& block, dive::FindingLog& findings) {
-    if (block.size_bytes > kMaxBlock_bytes)
-        return report_damage(block.offset_bytes,
-                             "a record states " + std::to_string(block.size_bytes) +
-                                 " bytes, more than are read at once",
-                             findings);
-    OpenedBlock opened = open_block(file_.read(block.offset_bytes, block.size_bytes));
-    if (!opened.problem.empty()) return report_damage(block.offset_bytes, opened.problem, findings);
-    learn(opened.bytes);
-    add_block(block, parsed(std::move(opened.bytes)));
+// Opens a chunk from its whole record, which the file may cut: then the records before the cut
+// are given. Other records are given as they are.
+OpenedBlock Ros1Container::open(std::string bytes) const {
+    ByteCursor cursor(bytes);
+    const auto header = cursor.take_sized<std::uint32_t>();
+    const auto data_bytes = cursor.take<std::uint32_t>();
+    if (!header || !data_bytes) return {"", "the head of a record is damaged"};
+    if (number_in<std::uint8_t>(*header, "op") != kChunk) return {std::move(bytes), ""};
+    const auto name = field(*header, "compression");
+    const auto size = number_in<std::uint32_t>(*header, "size");
+    const auto codec = name ? codec_from_text(*name) : std::nullopt;
+    if (!size) return {"", "the head of a chunk is damaged"};
+    if (!codec || *codec == Codec::Zstd)
+        return {"", "a chunk is compressed in a way that is not known"};
+    if (*size > kMaxBlock_bytes)
+        return {"", "a chunk states " + std::to_string(*size) + " bytes, which is absurd"};
+    Unpacked unpacked = unpack(*codec, cursor.rest().substr(0, *data_bytes), *size);
+    if (!unpacked.is_whole && *data_bytes <= cursor.rest().size())
+        return {"", "a chunk does not decompress to the size that it states"};
+    return {std::move(unpacked.bytes), ""};
 }
 
 void Ros1Container::learn(std::string_view records) {
@@ -174,12 +155,7 @@ void Ros1Container::learn_connection(std::string_view header, std::string_view d
     if (topic) connections_.emplace(*number, *topic);
 }
 
-BlockContents Ros1Container::read(const Block& block) const {
-    return parsed(open_block(file_.read(block.offset_bytes, block.size_bytes)).bytes);
-}
-
-// Finds the messages in decompressed records, up to where these are cut.
-BlockContents Ros1Container::parsed(std::string bytes) const {
+BlockContents Ros1Container::parse(std::string bytes) const {
     BlockContents contents;
     ByteCursor cursor(bytes);
     while (const auto record = take_bag_record(cursor)) {

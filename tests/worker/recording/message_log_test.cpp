@@ -2,11 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "schemas/error.hpp"
-#include "tests/temporary_folder.hpp"
 #include "tests/worker/recording/bag_writer.hpp"
+#include "tests/worker/recording/memory_file.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -19,10 +17,9 @@ struct ReadBack {
 class MessageLogTest : public testing::Test {
 protected:
     ReadBack read(const std::string& bytes) {
-        const auto file = folder_ / "recording";
-        std::ofstream(file, std::ios::binary) << bytes;
+        const MemoryFile file(bytes);
         dive::FindingLog findings;
-        MessageLog log(file, findings);
+        MessageLog log(file.path(), findings);
         ReadBack result;
         while (const auto message = log.next()) {
             std::string line = log.topics()[message->topic].name;
@@ -70,8 +67,6 @@ protected:
             if (finding.code == code) return true;
         return false;
     }
-
-    TemporaryFolder folder_;
 };
 
 TEST_F(MessageLogTest, MessagesOfABagComeInTheOrderOfTimeWhateverItsCompression) {
@@ -93,10 +88,9 @@ TEST_F(MessageLogTest, MessagesOfMcapComeInTheOrderOfTimeWhateverItsCompression)
 }
 
 TEST_F(MessageLogTest, TypesOfRos2AreNamedAsThoseOfRos1) {
-    const auto file = folder_ / "recording";
-    std::ofstream(file, std::ios::binary) << mcap("lz4");
+    const MemoryFile file(mcap("lz4"));
     dive::FindingLog findings;
-    const MessageLog log(file, findings);
+    const MessageLog log(file.path(), findings);
     ASSERT_EQ(log.topics().size(), 2U);
     EXPECT_EQ(log.topics()[0].type, "sensor_msgs/Imu");
     EXPECT_EQ(log.topics()[0].serialization, Serialization::Cdr);
