@@ -16,6 +16,7 @@ void ChunkedContainer::add(const Block& block, dive::FindingLog& findings) {
                              findings);
     OpenedBlock opened = open(file_.read(block.offset_bytes, block.size_bytes));
     if (!opened.problem.empty()) return report_damage(block.offset_bytes, opened.problem, findings);
+    count_unpacked(std::ssize(opened.bytes));
     learn(opened.bytes);
     add_block(block, parse(std::move(opened.bytes)));
 }

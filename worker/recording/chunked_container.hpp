@@ -23,7 +23,7 @@ public:
 protected:
     using Container::Container;
 
-    // Adds a chunk or a run of records, unless it is damaged.
+    // Adds a chunk or a run of records, unless it is damaged. Throws as count_unpacked() does.
     void add(const Block& block, dive::FindingLog& findings);
 
     // Learns the topics that records state.

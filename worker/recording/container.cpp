@@ -5,6 +5,7 @@
 #include "schemas/error.hpp"
 #include "worker/recording/mcap_container.hpp"
 #include "worker/recording/ros1_container.hpp"
+#include "worker/recording/unpack.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -43,6 +44,16 @@ std::optional<std::size_t> Container::topic_of(std::string_view name,
     if (topics_.size() == kMaxTopics) return std::nullopt;
     topics_.push_back({key.first, key.second, serialization, 0});
     return places_.emplace(key, topics_.size() - 1).first->second;
+}
+
+void Container::count_unpacked(std::int64_t num_bytes) {
+    unpacked_bytes_ += num_bytes;
+    if (!is_bomb(unpacked_bytes_, file_.size_bytes())) return;
+    throw Error(ErrorCode::TooLarge,
+                file_.path().string() + " of " + std::to_string(file_.size_bytes()) +
+                    " bytes unpacks to more than 100 times its size or 512 GiB, like a "
+                    "decompression bomb: record compressed images, which hardly shrink, or split "
+                    "the recording");
 }
 
 void Container::add_block(Block block, const BlockContents& contents) {

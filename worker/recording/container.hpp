@@ -76,6 +76,8 @@ protected:
     std::optional<std::size_t> topic_of(std::string_view name,
                                         std::string_view type,
                                         Serialization serialization);
+    // Counts bytes that a part of the file unpacked to. Throws Error{TooLarge} if is_bomb().
+    void count_unpacked(std::int64_t num_bytes);
     // Counts the messages of a block and keeps its place, if it has some.
     void add_block(Block block, const BlockContents& contents);
     // Reports that the rest of the file, or a part of it, cannot be read.
@@ -90,6 +92,7 @@ protected:
 
 private:
     std::map<std::pair<std::string, std::string>, std::size_t> places_;  // by name and type
+    std::int64_t unpacked_bytes_ = 0;
 };
 
 // Opens a recording by its first bytes. Every block is read once, indexed or not; what is damaged

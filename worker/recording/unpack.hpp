@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,5 +23,9 @@ struct Unpacked {
 // Decompresses bytes up to the size that the recording states. Memory grows with what comes out, so
 // a false size costs none.
 Unpacked unpack(Codec codec, std::string_view packed, std::size_t stated_bytes);
+
+// Returns whether a recording unpacks to more than archives of dives may: 512 GiB, or 100 times its
+// size where that is more than 64 MiB.
+bool is_bomb(std::int64_t unpacked_bytes, std::int64_t packed_bytes);
 
 }  // namespace divemesh::recording

@@ -5,6 +5,7 @@
 #include "schemas/error.hpp"
 #include "tests/worker/recording/bag_writer.hpp"
 #include "tests/worker/recording/memory_file.hpp"
+#include "worker/recording/unpack.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -175,6 +176,41 @@ TEST_F(MessageLogTest, AChunkThatClaimsATerabyteIsLeftOutAlone) {
     bag.add_message(1, 2, "bad");
     bag.end_chunk(0xffff'ffff);
     EXPECT_TRUE(has_code(read(bag.finished()), "recording_damaged"));
+}
+
+// Each chunk is far below the limit of a block; together they are 80 MiB of some kilobytes.
+TEST_F(MessageLogTest, ManyChunksThatUnpackToTooMuchAreRefusedAsABomb) {
+    const std::string zeros(std::size_t{4} << 20U, '\0');
+    BagWriter bag("bz2");
+    McapBytes mcap("zstd");
+    bag.add_connection(1, "/imu", "sensor_msgs/Imu");
+    mcap.add_channel(1, "/imu", "sensor_msgs/msg/Imu", "cdr");
+    for (int i = 0; i < 20; ++i) {
+        bag.add_message(1, i, zeros);
+        bag.end_chunk();
+        mcap.add_message(1, i, zeros);
+        mcap.end_chunk();
+    }
+    for (const std::string& bytes : {bag.finished(), mcap.finished()}) {
+        EXPECT_LT(bytes.size(), 100'000U);
+        try {
+            read(bytes);
+            ADD_FAILURE() << "it was not refused";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::TooLarge);
+            EXPECT_NE(std::string(error.what()).find("bomb"), std::string::npos);
+        }
+    }
+}
+
+TEST(UnpackTest, ABombIsToldBySizeAndRatio) {
+    constexpr std::int64_t kMiB = 1 << 20;
+    EXPECT_FALSE(is_bomb(64 * kMiB, 100));  // small, whatever the ratio
+    EXPECT_TRUE(is_bomb(65 * kMiB, 100));
+    EXPECT_FALSE(is_bomb(1000 * kMiB, 10 * kMiB));
+    EXPECT_TRUE(is_bomb(1000 * kMiB + 100, 10 * kMiB));
+    EXPECT_FALSE(is_bomb(512 * 1024 * kMiB, 500 * 1024 * kMiB));
+    EXPECT_TRUE(is_bomb(512 * 1024 * kMiB + 1, 500 * 1024 * kMiB));
 }
 
 TEST_F(MessageLogTest, ALengthOf2To63EndsTheRecordingThere) {
