@@ -31,10 +31,12 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
     if (!chosen_.problem.empty()) throw Error(ErrorCode::InvalidArgument, chosen_.problem);
     const RigFiles rig = find_rig();
     if (chosen_.imu && !rig.imu_yaml)
-        findings_.warning("imu_left_out",
-                          topics()[*chosen_.imu].name,
-                          "the IMU is left out: where it is relative to the cameras is not known",
-                          "State it by --calibration: T_BS of both cameras relative to the IMU.");
+        findings_.warning(
+            "imu_left_out",
+            topics()[*chosen_.imu].name,
+            "the IMU is left out: where it is relative to the cameras is not known",
+            "Record tf_static, or state it by --calibration: T_BS of both cameras relative "
+            "to the IMU.");
     DiveWriter writer(options_.out);
     MessageSorter sorter(topics(), chosen_, rig, writer, findings_);
     log_.rewind();
@@ -62,34 +64,18 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
 
 RigFiles RecordingImport::find_rig() {
     if (!options_.calibration.empty()) return rig_of_folder(options_.calibration, findings_);
-    const auto left = first_info(chosen_.left_info);
-    const auto right = first_info(chosen_.right_info);
-    if (!left || !right)
+    const RigMessages rig_messages = read_rig_messages(log_, chosen_, findings_);
+    if (!rig_messages.left_info || !rig_messages.right_info)
         throw Error(ErrorCode::BadData,
                     "the recording has no CameraInfo beside the images of " +
-                        topics()[left ? *chosen_.right : *chosen_.left].name +
+                        topics()[rig_messages.left_info ? *chosen_.right : *chosen_.left].name +
                         ": state the calibration by --calibration");
     const bool is_rect = is_rectified(topics()[*chosen_.left]);
-    return rig_of_infos(
-        *left, *right, is_rect ? Rectification::Rectified : Rectification::Raw, findings_);
-}
-
-// Returns the first message of a topic that is a CameraInfo.
-std::optional<CameraInfo> RecordingImport::first_info(std::optional<std::size_t> topic) {
-    if (!topic) return std::nullopt;
-    log_.rewind();
-    while (const auto message = log_.next()) {
-        if (message->topic != topic) continue;
-        try {
-            return parse_camera_info(topics()[*topic].serialization, message->bytes);
-        } catch (const Error& error) {
-            findings_.warning("message_unreadable",
-                              topics()[*topic].name,
-                              std::string("a message is left out: ") + error.what(),
-                              "");
-        }
-    }
-    return std::nullopt;
+    return rig_of_infos(*rig_messages.left_info,
+                        *rig_messages.right_info,
+                        is_rect ? Rectification::Rectified : Rectification::Raw,
+                        poses_of_frames(rig_messages, findings_),
+                        findings_);
 }
 
 }  // namespace divemesh::recording
