@@ -36,10 +36,13 @@ struct Topic {
     std::int64_t num_messages = 0;
 };
 
-// A stretch of a recording that is read as a whole: a chunk, or records outside of chunks.
+// A stretch of a recording that is read as a whole: a chunk, records outside of chunks, or rows.
 struct Block {
-    std::int64_t offset_bytes = 0;
-    std::int64_t size_bytes = 0;
+    std::size_t part = 0;    // of a recording in several files, the place of its file
+    std::int64_t begin = 0;  // its first byte in the file, or its first row
+    std::int64_t end = 0;    // behind its last
+
+    std::int64_t size() const { return end - begin; }
     std::int64_t first_ns = 0;  // of the log times of its messages
     std::int64_t last_ns = 0;
 };
@@ -69,7 +72,8 @@ public:
     virtual BlockContents read(const Block& block) const = 0;
 
 protected:
-    explicit Container(InputFile file) : file_(std::move(file)) {}
+    explicit Container(InputFile file)
+        : file_(std::move(file)), packed_bytes_(file_.size_bytes()) {}
 
     // Returns the place of a topic, which is added if it is new; nullopt beyond kMaxTopics or for a
     // name that no recorder writes.
@@ -87,6 +91,7 @@ protected:
                        dive::FindingLog& findings) const;
 
     InputFile file_;
+    std::int64_t packed_bytes_;  // that everything unpacks from
     std::vector<Topic> topics_;
     std::vector<Block> blocks_;
 
@@ -95,9 +100,10 @@ private:
     std::int64_t unpacked_bytes_ = 0;
 };
 
-// Opens a recording by its first bytes. Every block is read once, indexed or not; what is damaged
-// is left out with a warning. Throws Error{BadData} if it is no recording of a known format, or
-// holds no message that can be read.
+// Opens a recording by its first bytes: a file, also one that Zstandard compressed as a whole, or
+// the folder of a ROS 2 bag. Every block is read once, indexed or not; what is damaged is left out
+// with a warning. Throws Error{BadData} if it is no recording of a known format, or holds no
+// message that can be read.
 std::unique_ptr<Container> open_container(const std::filesystem::path& path,
                                           dive::FindingLog& findings,
                                           const base::ProgressCallback& progress);

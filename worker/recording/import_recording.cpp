@@ -5,6 +5,7 @@
 
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
+#include "worker/recording/bag_folder.hpp"
 #include "worker/recording/dive_writer.hpp"
 #include "worker/recording/message_sorter.hpp"
 
@@ -13,11 +14,18 @@ namespace {
 
 constexpr std::int64_t kHashed_bytes = std::int64_t{1} << 20U;  // at a time
 
-Provenance provenance_of(const InputFile& file) {
+// Returns where a dive came from. The hash of a folder is that of its files after each other.
+Provenance provenance_of(const std::filesystem::path& recording) {
+    const auto path = recording.has_filename() ? recording : recording.parent_path();
     Sha256 hash;
-    for (std::int64_t at = 0; at < file.size_bytes(); at += kHashed_bytes)
-        hash.update(file.read(at, kHashed_bytes));
-    return {file.path().filename().string(), hash.hex(), file.size_bytes()};
+    std::int64_t size_bytes = 0;
+    for (const auto& name : files_of_recording(path)) {
+        const InputFile file(name);
+        size_bytes += file.size_bytes();
+        for (std::int64_t at = 0; at < file.size_bytes(); at += kHashed_bytes)
+            hash.update(file.read(at, kHashed_bytes));
+    }
+    return {path.filename().string(), hash.hex(), size_bytes};
 }
 
 }  // namespace
@@ -55,7 +63,7 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
             "pressure_converted",
             topics()[*chosen_.pressure].name,
             "depth is computed from pressure for sea water of 1025 kg/m^3 under 101325 Pa");
-    writer.commit(rig, provenance_of(InputFile(options_.recording)));
+    writer.commit(rig, provenance_of(options_.recording));
     return {writer.num_images(Side::Left),
             writer.num_images(Side::Right),
             writer.num_imu(),

@@ -118,7 +118,7 @@ void McapContainer::scan(dive::FindingLog& findings, const base::ProgressCallbac
     const std::int64_t size = file_.size_bytes();
     Block run;  // of records outside of chunks
     const auto end_run = [&] {
-        if (run.size_bytes > 0) add(run, findings);
+        if (run.size() > 0) add(run, findings);
         run = {};
     };
     for (std::int64_t at = std::ssize(kMcapMagic);;) {
@@ -127,18 +127,18 @@ void McapContainer::scan(dive::FindingLog& findings, const base::ProgressCallbac
         const auto num_bytes = record_bytes(head, size - at);
         if (!num_bytes) {
             end_run();
-            if (is_chunk(head)) add({at, size - at}, findings);
+            if (is_chunk(head)) add({0, at, size}, findings);
             return report_cut(at, findings);
         }
         const auto opcode = static_cast<std::uint8_t>(head.front());
         if (opcode == kMessage || opcode == kSchema || opcode == kChannel) {
-            if (run.size_bytes + *num_bytes > kRun_bytes) end_run();
-            if (run.size_bytes == 0) run.offset_bytes = at;
-            run.size_bytes += *num_bytes;
+            if (run.size() + *num_bytes > kRun_bytes) end_run();
+            if (run.size() == 0) run.begin = at;
+            run.end = at + *num_bytes;
         } else {
             end_run();
         }
-        if (opcode == kChunk) add({at, *num_bytes}, findings);
+        if (opcode == kChunk) add({0, at, at + *num_bytes}, findings);
         if (opcode == kFooter) return;
         at += *num_bytes;
     }

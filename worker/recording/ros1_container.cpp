@@ -111,7 +111,7 @@ void Ros1Container::scan(dive::FindingLog& findings, const base::ProgressCallbac
                         file_.path().string() + " is encrypted: decrypt it with rosbag decrypt");
         const std::int64_t end = head->data_offset_bytes + head->data_bytes;
         if (op == kChunk || op == kMessage || op == kConnection)
-            add({at, std::min(end, size) - at}, findings);
+            add({0, at, std::min(end, size)}, findings);
         if (end > size) return report_cut(at, findings);
         at = end;
     }

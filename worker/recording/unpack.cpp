@@ -121,6 +121,12 @@ Unpacked unpack(Codec codec, std::string_view packed, std::size_t stated_bytes) 
     return std::move(buffer).result();
 }
 
+std::optional<std::uint64_t> stated_zstd_bytes(std::string_view packed) {
+    const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
+    if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) return std::nullopt;
+    return size;
+}
+
 bool is_bomb(std::int64_t unpacked_bytes, std::int64_t packed_bytes) {
     if (unpacked_bytes > kMaxUnpacked_bytes) return true;
     return unpacked_bytes > kRatioCheckedFrom_bytes &&

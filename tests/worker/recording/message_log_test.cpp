@@ -230,7 +230,7 @@ TEST_F(MessageLogTest, ALengthOf2To63EndsTheRecordingThere) {
 TEST_F(MessageLogTest, OtherFilesAreRefusedWithWhatToDo) {
     for (const auto& [bytes, advice] : std::vector<std::pair<std::string, std::string>>{
              {"", "neither"},
-             {"SQLite format 3 and more", "ros2 bag convert"},
+             {"SQLite format 3 and more", "neither"},
              {"#ROSBAG V1.2\nand more", "rosbag migrate"},
              {"PK\x03\x04 a zip archive", "neither"}})
         try {
