@@ -73,7 +73,7 @@ void add_import(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand("import", "turn a ROS bag or MCAP recording into a dive");
     auto options = std::make_shared<recording::ImportOptions>();
     // clang-format off
-    command->add_option("recording", options->recording, "ROS 1 bag (.bag) or MCAP (.mcap)")->required();
+    command->add_option("recording", options->recording, "ROS 1 bag (.bag), MCAP (.mcap), ROS 2 bag (.db3) or its folder")->required();
     command->add_option("--out", options->out, "folder of the dive, which must not exist")->required();
     command->add_option("--left", options->topics.left, "topic of the left camera; default: by its name");
     command->add_option("--right", options->topics.right, "topic of the right camera");

@@ -51,7 +51,6 @@ public:
 
 private:
     RigFiles find_rig();
-    std::optional<CameraInfo> first_info(std::optional<std::size_t> topic);
 
     ImportOptions options_;
     dive::FindingLog findings_;
