@@ -5,9 +5,11 @@
 #include "cli/exit_code.hpp"
 #include "cli/findings_text.hpp"
 #include "cli/follow.hpp"
+#include "cli/import_stills.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/text.hpp"
+#include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "worker/recording/import_recording.hpp"
 
@@ -70,18 +72,31 @@ int run(const recording::ImportOptions& options, const Context& context) {
 }  // namespace
 
 void add_import(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("import", "turn a ROS bag or MCAP recording into a dive");
+    auto* command = app.add_subcommand(
+        "import", "turn a ROS bag, an MCAP recording or folders of images into a dive");
+    auto recordings = std::make_shared<std::vector<std::filesystem::path>>();
     auto options = std::make_shared<recording::ImportOptions>();
     // clang-format off
-    command->add_option("recording", options->recording, "ROS 1 bag (.bag), MCAP (.mcap), ROS 2 bag (.db3) or its folder")->required();
+    command->add_option("recording", *recordings, "ROS 1 bag (.bag), MCAP (.mcap), ROS 2 bag (.db3) or its folder; a folder of images, or two: left and right")->required()->expected(1, 2);
     command->add_option("--out", options->out, "folder of the dive, which must not exist")->required();
-    command->add_option("--left", options->topics.left, "topic of the left camera; default: by its name");
-    command->add_option("--right", options->topics.right, "topic of the right camera");
+    command->add_option("--left", options->topics.left, "topic or folder of the left camera; default: by its name");
+    command->add_option("--right", options->topics.right, "topic or folder of the right camera");
     command->add_option("--imu", options->topics.imu, "topic of the IMU, or none; default: the only one");
-    command->add_option("--calibration", options->calibration, "folder of a dive whose sensor.yaml files are used (cam0, cam1, imu0); default: CameraInfo of the recording");
+    command->add_option("--calibration", options->calibration, "folder of a dive whose sensor.yaml files are used (cam0, cam1, imu0); default: that of the recording");
     // clang-format on
-    command->callback([options, &context] {
-        context.command = [options, &context] { return run(*options, context); };
+    const auto stills = add_stills_options(*command);
+    command->callback([recordings, options, stills, &context] {
+        context.command = [recordings, options, stills, &context] {
+            if (std::filesystem::is_directory(recordings->front()))
+                return import_stills(*recordings, *options, *stills, context);
+            if (recordings->size() > 1)
+                throw Error(ErrorCode::InvalidArgument,
+                            recordings->front().string() +
+                                " is not a folder: two recordings have to be the folders of the "
+                                "left and of the right camera");
+            options->recording = recordings->front();
+            return run(*options, context);
+        };
     });
 }
 

@@ -32,7 +32,8 @@ DiveFiles::DiveFiles(std::unique_ptr<DiveSource> source) : source_(std::move(sou
             "not_a_dive",
             "",
             "this is not a dive: it has neither a folder mav0/ nor cam0/",
-            "Give the folder that contains mav0/cam0/data.csv, mav0/cam0/sensor.yaml and so on.");
+            "Give the folder that contains mav0/cam0/data.csv, mav0/cam0/sensor.yaml and so on, or "
+            "make a dive of other recordings and of folders of images by divemesh import.");
     for (const std::string& path : paths)
         if (auto folder = folder_of_dive(path); folder && *folder != root->strip)
             other_dives_.push_back(std::move(*folder));

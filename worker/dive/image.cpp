@@ -36,8 +36,10 @@ constexpr ForeignFormat kForeignFormats[] = {
     for (const ForeignFormat& format : kForeignFormats)
         if (bytes.size() >= format.offset &&
             bytes.substr(format.offset).starts_with(format.signature))
-            fail("it is " + std::string(format.name) +
-                 ", and only PNG and JPEG are read: convert the images to PNG");
+            fail(
+                "it is " + std::string(format.name) +
+                ", and only PNG and JPEG are read: convert the images to PNG (divemesh import does "
+                "it for TIFF, BMP, PGM and PPM)");
     fail("it is neither PNG nor JPEG");
 }
 

@@ -27,13 +27,19 @@ constexpr Encoding kEncodings[] = {
     {"bgr8", CV_8UC3, kAsItIs},
     {"8UC3", CV_8UC3, kAsItIs},
     {"rgb8", CV_8UC3, cv::COLOR_RGB2BGR},
+    {"bgr16", CV_16UC3, kAsItIs},
     {"bgra8", CV_8UC4, cv::COLOR_BGRA2BGR},
+    {"bgra16", CV_16UC4, cv::COLOR_BGRA2BGR},
     {"rgba8", CV_8UC4, cv::COLOR_RGBA2BGR},
     // OpenCV names a mosaic by the second and third pixel of its second row.
     {"bayer_rggb8", CV_8UC1, cv::COLOR_BayerBG2BGR},
+    {"bayer_rggb16", CV_16UC1, cv::COLOR_BayerBG2BGR},
     {"bayer_bggr8", CV_8UC1, cv::COLOR_BayerRG2BGR},
+    {"bayer_bggr16", CV_16UC1, cv::COLOR_BayerRG2BGR},
     {"bayer_gbrg8", CV_8UC1, cv::COLOR_BayerGR2BGR},
+    {"bayer_gbrg16", CV_16UC1, cv::COLOR_BayerGR2BGR},
     {"bayer_grbg8", CV_8UC1, cv::COLOR_BayerGB2BGR},
+    {"bayer_grbg16", CV_16UC1, cv::COLOR_BayerGB2BGR},
 };
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::BadData, what); }
@@ -42,7 +48,7 @@ const Encoding& encoding_of(const RawImage& image) {
     for (const Encoding& encoding : kEncodings)
         if (encoding.name == image.encoding) return encoding;
     fail("the encoding '" + dive::printable(image.encoding) +
-         "' is not read: record mono8, mono16, rgb8, bgr8, rgba8, bgra8 or an 8-bit Bayer mosaic");
+         "' is not read: record mono8, mono16, rgb8, bgr8, rgba8, bgra8 or a Bayer mosaic");
 }
 
 // Returns a copy of the pixels, in this machine's byte order.

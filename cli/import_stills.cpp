@@ -1,0 +1,77 @@
+#include "cli/import_stills.hpp"
+
+#include <iostream>
+
+#include "cli/exit_code.hpp"
+#include "cli/findings_text.hpp"
+#include "cli/follow.hpp"
+#include "cli/interrupt.hpp"
+#include "cli/progress_bar.hpp"
+#include "schemas/json.hpp"
+
+namespace divemesh::cli {
+namespace {
+
+void print_text(const recording::StillsImport& stills,
+                const recording::ImportCounts& counts,
+                const std::filesystem::path& out) {
+    for (const Finding& finding : stills.findings()) std::cout << finding_text(finding);
+    std::cout << out.string() << ": " << counts.num_left << " left and " << counts.num_right
+              << " right images (" << stills.sides().rule << "), " << counts.num_imu
+              << " IMU rows, " << counts.num_pressures << " depths\n";
+}
+
+void print_json(const recording::StillsImport& stills, const recording::ImportCounts& counts) {
+    std::cout << nlohmann::json{{"cameras", stills.sides().rule},
+                                {"findings", stills.findings()},
+                                {"num_left", counts.num_left},
+                                {"num_right", counts.num_right},
+                                {"num_imu", counts.num_imu},
+                                {"num_pressures", counts.num_pressures}}
+                     .dump(2)
+              << '\n';
+}
+
+}  // namespace
+
+std::shared_ptr<recording::StillsOptions> add_stills_options(CLI::App& command) {
+    auto stills = std::make_shared<recording::StillsOptions>();
+    const auto set_unit = [stills](const std::string& name) {
+        stills->times.unit = recording::unit_by_name(name);
+    };
+    // clang-format off
+    command.add_option("--list", stills->times.list, "images: table of time, left and right image; default: the one beside them");
+    command.add_option("--rate", stills->times.rate_hz, "images: the names count images of this rate, in images a second");
+    command.add_option_function<std::string>("--unit", set_unit, "images: unit of the times in names or list")->check(CLI::IsMember({"ns", "us", "ms", "s"}));
+    command.add_option("--bayer", stills->pixels.bayer, "images: they are a Bayer mosaic with these colours in the first 2 x 2 pixels")->check(CLI::IsMember({"rggb", "bggr", "gbrg", "grbg"}));
+    command.add_option("--bits", stills->pixels.num_bits, "images: bits used of 16, from the lowest on")->check(CLI::Range(8, 16));
+    // clang-format on
+    return stills;
+}
+
+int import_stills(const std::vector<std::filesystem::path>& folders,
+                  const recording::ImportOptions& common,
+                  const recording::StillsOptions& stills,
+                  const Context& context) {
+    catch_interrupts();
+    ProgressBar bar;
+    const auto progress = [&](const Progress& state) {
+        throw_if_interrupted();
+        show_progress(bar, state);
+    };
+    recording::StillsOptions options = stills;
+    options.folders = folders;
+    options.out = common.out;
+    options.calibration = common.calibration;
+    options.cameras = {common.topics.left, common.topics.right};
+    options.imu = common.topics.imu;
+    recording::StillsImport imported(options, progress);
+    const recording::ImportCounts counts = imported.write(progress);
+    if (context.json)
+        print_json(imported, counts);
+    else
+        print_text(imported, counts, options.out);
+    return kExitDone;
+}
+
+}  // namespace divemesh::cli
