@@ -87,7 +87,8 @@ void add_import(CLI::App& app, Context& context) {
     const auto stills = add_stills_options(*command);
     command->callback([recordings, options, stills, &context] {
         context.command = [recordings, options, stills, &context] {
-            if (std::filesystem::is_directory(recordings->front()))
+            std::error_code failure;  // why it cannot be read is said when it is opened
+            if (std::filesystem::is_directory(recordings->front(), failure))
                 return import_stills(*recordings, *options, *stills, context);
             if (recordings->size() > 1)
                 throw Error(ErrorCode::InvalidArgument,

@@ -14,9 +14,10 @@ namespace {
 
 constexpr std::int64_t kSecond_ns = 1'000'000'000;
 constexpr std::int64_t kFirstDate_ns =
-    kSecond_ns * kSecond_ns;                        // of 2001: no unit has two readings
-constexpr std::int64_t kMinUptime = 1'000'000'000;  // smaller numbers are counters
-constexpr std::int64_t kMinPeriod_ns = 1'000'000;   // 1000 images a second
+    kSecond_ns * kSecond_ns;                               // of 2001: no unit has two readings
+constexpr std::int64_t kMinUptime = 1'000'000'000;         // smaller numbers are counters
+constexpr std::int64_t kMinPeriod_ns = 1'000'000;          // 1000 images a second
+constexpr std::int64_t kMaxPeriod_ns = 3600 * kSecond_ns;  // more is a number of another unit
 
 struct UnitRow {
     StampUnit unit;
