@@ -234,22 +234,30 @@ CameraSides by_names(const std::vector<std::string>& images) {
     return sides;
 }
 
-bool is_in_folder(std::string_view name, std::string folder) {
+// Returns what comes before a folder in the name of an image in it; nullopt if it is not in it.
+std::optional<std::string> place_before(std::string_view name, std::string folder) {
     while (folder.ends_with('/')) folder.pop_back();
     folder += '/';
-    return name.starts_with(folder) || name.find("/" + folder) != std::string_view::npos;
+    if (name.starts_with(folder)) return "";
+    const std::size_t at = name.find("/" + folder);
+    if (at == std::string_view::npos) return std::nullopt;
+    return std::string(name.substr(0, at + 1));
 }
 
 CameraSides by_folders(const std::vector<std::string>& images, const NamedFolders& named) {
-    if (named.left.empty() || named.right.empty())
+    if (named.left.empty() || named.right.empty() || named.left == named.right)
         throw Error(ErrorCode::InvalidArgument,
                     "one camera alone is named: name the folders of both by --left and --right");
-    CameraSides sides;
-    sides.rule = dive::printable(named.left) + " and " + dive::printable(named.right);
+    SidesByPlace places;
     for (const std::string& image : images) {
-        if (is_in_folder(image, named.left)) sides.left.push_back(sided(image, 0, 0));
-        if (is_in_folder(image, named.right)) sides.right.push_back(sided(image, 0, 0));
+        if (const auto place = place_before(image, named.left))
+            places[*place].left.push_back(sided(image, 0, 0));
+        if (const auto place = place_before(image, named.right))
+            places[*place].right.push_back(sided(image, 0, 0));
     }
+    join_single_sides(places);
+    CameraSides sides = only_recording(places);
+    sides.rule = dive::printable(named.left) + " and " + dive::printable(named.right);
     if (sides.left.empty() || sides.right.empty())
         throw Error(ErrorCode::InvalidArgument,
                     "there is no image in " +
@@ -268,7 +276,7 @@ CameraSides find_camera_sides(const std::vector<std::string>& images,
                     "there is no image: give a folder of PNG, JPEG, TIFF, BMP, PGM or PPM files");
     const bool is_named = !named.left.empty() || !named.right.empty();
     CameraSides sides = is_named ? by_folders(images, named) : by_names(images);
-    const std::size_t num_other = images.size() - sides.left.size() - sides.right.size();
+    const auto num_other = std::ssize(images) - std::ssize(sides.left) - std::ssize(sides.right);
     if (num_other > 0)
         findings.info("images_left_out",
                       "",

@@ -232,7 +232,11 @@ TEST(CameraSidesTest, WhatIsNotClearIsRefusedWithWhatToDo) {
     EXPECT_NE(refusal_of({"a/left/0.png", "a/right/0.png", "b/left/0.png", "b/right/0.png"})
                   .find("2 folders: a/ b/"),
               std::string::npos);
+    EXPECT_NE(refusal_of({"a/l0/0.png", "a/r0/0.png", "b/l0/0.png", "b/r0/0.png"}, {"l0", "r0"})
+                  .find("2 folders: a/ b/"),
+              std::string::npos);
     EXPECT_NE(refusal_of({"a/0.png", "b/0.png"}, {"a", ""}).find("both"), std::string::npos);
+    EXPECT_NE(refusal_of({"a/0.png", "b/0.png"}, {"a", "a"}).find("both"), std::string::npos);
     EXPECT_NE(refusal_of({"a/0.png", "b/0.png"}, {"a", "c"}).find("in c"), std::string::npos);
     // Two images that happen to have the words are not the cameras of a hundred.
     std::vector<std::string> many(100, "x.png");
