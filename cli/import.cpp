@@ -87,8 +87,7 @@ void add_import(CLI::App& app, Context& context) {
     const auto stills = add_stills_options(*command);
     command->callback([recordings, options, stills, &context] {
         context.command = [recordings, options, stills, &context] {
-            std::error_code failure;  // why it cannot be read is said when it is opened
-            if (std::filesystem::is_directory(recordings->front(), failure))
+            if (recording::is_image_folder(recordings->front()))
                 return import_stills(*recordings, *options, *stills, context);
             if (recordings->size() > 1)
                 throw Error(ErrorCode::InvalidArgument,

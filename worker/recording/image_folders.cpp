@@ -37,6 +37,17 @@ bool is_of_system(std::string_view name) {
 
 }  // namespace
 
+bool is_image_folder(const std::filesystem::path& path) {
+    std::error_code failure;
+    if (!std::filesystem::is_directory(path, failure)) return false;
+    for (const auto& entry : std::filesystem::directory_iterator(path, failure)) {
+        const std::string name = entry.path().filename().string();
+        for (const char* extension : {".db3", ".mcap", ".db3.zstd", ".mcap.zstd"})
+            if (name.ends_with(extension)) return false;
+    }
+    return true;
+}
+
 std::string lower_case(std::string_view text) {
     std::string lower(text);
     for (char& c : lower)

@@ -17,6 +17,10 @@ namespace divemesh::recording {
 // The largest image file that is read: 64 megapixels in colour of 16 bits.
 inline constexpr std::int64_t kMaxStill_bytes = std::int64_t{512} << 20U;
 
+// Returns whether a path is a folder that is no ROS 2 bag: no .db3 or .mcap file lies directly in
+// it.
+bool is_image_folder(const std::filesystem::path& path);
+
 // The files of a recording that is one folder, or two: one for each camera. Those of the first are
 // named "left/..." then, those of the second "right/...". No link is followed, and names are
 // only names: files are opened below their folder.

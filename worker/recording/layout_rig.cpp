@@ -33,7 +33,7 @@ std::optional<RigFiles> kitti_rig(const ImageFolders& folders,
                   dive::printable(file),
                   "the calibration is that of cameras " + std::to_string(*left_camera) + " and " +
                       std::to_string(*right_camera) + " in " + dive::printable(file));
-    return rig_of_infos(infos->left, infos->right, Rectification::Raw, findings);
+    return rig_of_infos(infos->left, infos->right, Rectification::Raw, RigPoses{}, findings);
 }
 
 }  // namespace

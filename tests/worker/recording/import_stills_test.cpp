@@ -204,6 +204,15 @@ TEST_F(ImportStillsTest, CountersPairImagesAtTheStatedRateAndMissingOnesLeaveGap
     EXPECT_NE(message_of("pairs_made").find("3 pairs"), std::string::npos);
 }
 
+TEST_F(ImportStillsTest, AFolderOfABagIsNoFolderOfImages) {
+    put(recorded() / "left" / "0.png", png(0, 0));
+    EXPECT_TRUE(is_image_folder(recorded()));
+    EXPECT_FALSE(is_image_folder(recorded() / "left" / "0.png"));
+    EXPECT_FALSE(is_image_folder(recorded() / "missing"));
+    put(recorded() / "bag_0.db3", "SQLite format 3");
+    EXPECT_FALSE(is_image_folder(recorded()));
+}
+
 TEST_F(ImportStillsTest, ARateThatIsNoneIsRefused) {
     put(recorded() / "left" / "0.png", png(0, 0));
     put(recorded() / "right" / "0.png", png(1, 0));
