@@ -11,6 +11,13 @@
 namespace divemesh::recording {
 namespace {
 
+// Returns a path in small letters with a slash in front, so that ends are whole names.
+std::string with_slash(std::string_view path) {
+    std::string text(1, '/');
+    text += lower_case(path);
+    return text;
+}
+
 // The images of a camera by their own names, in lower case and without extensions.
 class ImagesByName {
 public:
@@ -21,11 +28,11 @@ public:
 
     // Returns the image whose name and folders are those of a path, as far as both have them.
     const SidedImage* find_by_path(std::string_view path) const {
-        const std::string wanted = "/" + lower_case(path);
+        const std::string wanted = with_slash(path);
         const auto [begin, end] = places_.equal_range(key(path));
         for (auto place = begin; place != end; ++place) {
             const SidedImage& image = images_[place->second];
-            const std::string folders = "/" + lower_case(folder_of(image.name));
+            const std::string folders = with_slash(folder_of(image.name));
             const std::string wanted_folders(folder_of(wanted));
             if (folders.ends_with(wanted_folders) || wanted_folders.ends_with(folders))
                 return &image;

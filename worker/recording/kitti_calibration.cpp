@@ -12,10 +12,13 @@ namespace {
 
 constexpr std::size_t kMaxNumbers = 12;  // of a projection, the longest line
 
-// Returns the numbers of the line that begins with a key and a colon; empty if there is no such
-// line or one of them is no number.
-std::vector<double> numbers_of(std::string_view text, const std::string& key) {
-    const std::string start = key + ":";
+// Returns the numbers of the line that begins with a key, a camera's number and a colon; empty if
+// there is no such line or one of them is no number.
+std::vector<double> numbers_of(std::string_view text,
+                               std::string_view key,
+                               const std::string& camera) {
+    std::string start(key);
+    start.append(camera).append(":");
     while (!text.empty()) {
         const std::size_t end = std::min(text.find('\n'), text.size());
         std::string_view line = trimmed(text.substr(0, end));
@@ -62,7 +65,7 @@ void use_projection(CameraInfo& info) {
 
 std::optional<CameraInfo> odometry_camera(std::string_view text, int camera, ImageSize size) {
     CameraInfo info = info_of_size(size);
-    if (!take(numbers_of(text, "P" + std::to_string(camera)), info.projection)) return std::nullopt;
+    if (!take(numbers_of(text, "P", std::to_string(camera)), info.projection)) return std::nullopt;
     use_projection(info);
     return info;
 }
@@ -70,17 +73,17 @@ std::optional<CameraInfo> odometry_camera(std::string_view text, int camera, Ima
 std::optional<CameraInfo> raw_camera(std::string_view text, int camera, ImageSize size) {
     const std::string number = (camera < 10 ? "_0" : "_") + std::to_string(camera);
     CameraInfo info = info_of_size(size);
-    const bool has_all = take(numbers_of(text, "P_rect" + number), info.projection) &&
-                         take(numbers_of(text, "R_rect" + number), info.rectification) &&
-                         take(numbers_of(text, "K" + number), info.camera_matrix);
+    const bool has_all = take(numbers_of(text, "P_rect", number), info.projection) &&
+                         take(numbers_of(text, "R_rect", number), info.rectification) &&
+                         take(numbers_of(text, "K", number), info.camera_matrix);
     if (!has_all) return std::nullopt;
-    if (is_size(numbers_of(text, "S_rect" + number), size)) {
+    if (is_size(numbers_of(text, "S_rect", number), size)) {
         use_projection(info);
         return info;
     }
     info.distortion_model = "plumb_bob";
-    info.distortion_coefficients = numbers_of(text, "D" + number);
-    const bool is_raw = is_size(numbers_of(text, "S" + number), size);
+    info.distortion_coefficients = numbers_of(text, "D", number);
+    const bool is_raw = is_size(numbers_of(text, "S", number), size);
     return is_raw && info.distortion_coefficients.size() == 5 ? std::optional(info) : std::nullopt;
 }
 
