@@ -191,7 +191,7 @@ TEST_F(ImportSharedDiveTest, ABagOfPixelsIsTheSameDive) {
                              {pixels, image.total() * image.elemSize()});
     });
     ImportOptions options = options_for(writer.finished());
-    options.calibration = tank_;
+    options.calibration = {tank_};
     const ImportCounts counts = imported(options);
     EXPECT_EQ(counts.num_left, 30);
     EXPECT_EQ(counts.num_right, 30);
@@ -220,7 +220,7 @@ TEST_F(ImportSharedDiveTest, AnMcapOfCompressedImagesIsTheSameDiveToTheByte) {
         });
         const std::string bytes = writer.finished();
         ImportOptions options = options_for(bytes);
-        options.calibration = tank_ / "mav0";
+        options.calibration = {tank_ / "mav0"};
         options.out = folder_ / (wire == Wire::BigCdr ? "big" : "little");
         EXPECT_EQ(imported(options).num_left, 30);
         for (const auto& [time_ns, name] : truth.images())
