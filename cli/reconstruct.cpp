@@ -110,7 +110,8 @@ void add_override(CLI::App& command,
 void add_reconstruct(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand("reconstruct", "reconstruct a dive on this machine");
     auto options = std::make_shared<ReconstructOptions>();
-    command->add_option("dive", options->dive, "folder or archive (zip, tar, tar.gz, tar.zst)");
+    command->add_option(
+        "dive", options->dive, "folder, archive (zip, tar, tar.gz, tar.zst), ROS bag or MCAP");
     command->add_option("--out",
                         options->out,
                         "output folder, created if missing; an earlier result in it is removed");

@@ -13,6 +13,7 @@
 #include "schemas/json.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "worker/dive/archive_identity.hpp"
+#include "worker/recording/recorded_dive.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -44,8 +45,9 @@ HashedSource open_source(const fs::path& dive, ProgressBar& bar) {
     if (!fs::is_directory(dive)) {
         auto file = std::make_unique<client::FileSource>(dive);
         auto hashes = client::hash_archive(*file, show_bytes(bar, "hash", file->size_bytes()));
-        hashes.content_sha256 = dive::archive_content_sha256(
-            dive, [&](const Progress& progress) { bar.show("open", progress.fraction, ""); });
+        if (!recording::is_recording(dive))  // of one the server knows the contents alone
+            hashes.content_sha256 = dive::archive_content_sha256(
+                dive, [&](const Progress& progress) { bar.show("open", progress.fraction, ""); });
         return {std::move(file), hashes, name};
     }
     auto tar = std::make_unique<client::DiveTar>(dive);
@@ -236,7 +238,9 @@ void add_upload(CLI::App& app, Context& context) {
     auto* command =
         app.add_subcommand("upload", "upload a dive to a server and have it reconstructed");
     auto options = std::make_shared<UploadOptions>();
-    command->add_option("dive", options->dive, "folder or archive (zip, tar, tar.gz, tar.zst)")
+    command
+        ->add_option(
+            "dive", options->dive, "folder, archive (zip, tar, tar.gz, tar.zst), ROS bag or MCAP")
         ->required()
         ->check(CLI::ExistingPath);
     add_server_options(*command, options->server);

@@ -11,7 +11,7 @@
 #include "cli/text.hpp"
 #include "schemas/json.hpp"
 #include "worker/dive/intake.hpp"
-#include "worker/pipeline/check_cameras.hpp"
+#include "worker/pipeline/examine.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -26,7 +26,7 @@ dive::IntakeReport examine(const fs::path& dive) {
         throw_if_interrupted();
         show_progress(bar, state);
     };
-    return dive::examine_dive(dive, scratch.path(), progress, pipeline::check_cameras);
+    return pipeline::examine(dive, scratch.path(), progress);
 }
 
 int validate(const fs::path& dive, const Context& context) {
@@ -56,7 +56,9 @@ int validate(const fs::path& dive, const Context& context) {
 void add_validate(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand("validate", "check a dive as a server would");
     auto dive = std::make_shared<fs::path>();
-    command->add_option("dive", *dive, "folder or archive (zip, tar, tar.gz, tar.zst)")->required();
+    command
+        ->add_option("dive", *dive, "folder, archive (zip, tar, tar.gz, tar.zst), ROS bag or MCAP")
+        ->required();
     command->callback([dive, &context] {
         context.command = [dive, &context] { return validate(*dive, context); };
     });

@@ -162,8 +162,9 @@ cv::Mat draw_mesh(const io::TexturedMesh& shown, const Viewpoint& viewpoint) {
     rig.width_px = viewpoint.size_px.width;
     rig.height_px = viewpoint.size_px.height;
     rig.focal_px = viewpoint.focal_px;
-    rig.cx_px = 0.5 * rig.width_px - 0.5;
-    rig.cy_px = 0.5 * rig.height_px - 0.5;
+    const Eigen::Vector2d middle(0.5 * rig.width_px - 0.5, 0.5 * rig.height_px - 0.5);
+    rig.cx_px = viewpoint.center_px.value_or(middle).x();
+    rig.cy_px = viewpoint.center_px.value_or(middle).y();
     const mesh::ImageCamera camera(
         rig, viewpoint.T_world_cam, kSamples * rig.width_px, kSamples * rig.height_px);
     Drawing drawing(shown, camera);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
+#include <optional>
 
 #include "worker/io/textured_mesh.hpp"
 
@@ -12,6 +13,7 @@ struct Viewpoint {
     Eigen::Isometry3d T_world_cam = Eigen::Isometry3d::Identity();  // z forward, y down
     double focal_px = 0.0;
     cv::Size size_px;
+    std::optional<Eigen::Vector2d> center_px = std::nullopt;  // nullopt: the middle of the image
 };
 
 // Returns the mesh as a viewer shows it (CV_8UC3 BGR): triangles from both sides, with their

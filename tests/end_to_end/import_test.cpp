@@ -14,6 +14,21 @@ using namespace std::chrono_literals;
 
 class ImportTest : public testing::Test {
 protected:
+    // Writes a dive as MCAP; returns "" where the writer is not installed.
+    fs::path write_recording(const fs::path& dive) {
+        const fs::path scripts = source_directory() / "tests/end_to_end/js";
+        if (!fs::exists(scripts / "node_modules/@mcap/core")) return {};
+        const fs::path recording = service / "dive.mcap";
+        Process node({"/usr/bin/env",
+                      "node",
+                      (scripts / "write_mcap.mjs").string(),
+                      dive.string(),
+                      recording.string()},
+                     service / ".");
+        EXPECT_EQ(node.wait(60s), 0) << node.stderr_text();
+        return recording;
+    }
+
     Service service;
 };
 
@@ -31,20 +46,10 @@ std::vector<std::vector<double>> numbers_of(const fs::path& csv) {
 }
 
 TEST_F(ImportTest, ARecordingByTheWriterOfMcapIsTheDiveThatItWasMadeOf) {
-    const fs::path scripts = source_directory() / "tests/end_to_end/js";
-    if (!fs::exists(scripts / "node_modules/@mcap/core"))
-        GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";
     const fs::path original = small_dive();
-    const fs::path recording = service / "dive.mcap";
+    const fs::path recording = write_recording(original);
+    if (recording.empty()) GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";
     const fs::path dive = service / "imported";
-    Process node({"/usr/bin/env",
-                  "node",
-                  (scripts / "write_mcap.mjs").string(),
-                  original.string(),
-                  recording.string()},
-                 service / ".");
-    ASSERT_EQ(node.wait(60s), 0) << node.stderr_text();
-
     const Outcome imported = service.run(
         {"import", recording.string(), "--calibration", original.string(), "--out", dive.string()},
         60s);
@@ -64,6 +69,24 @@ TEST_F(ImportTest, ARecordingByTheWriterOfMcapIsTheDiveThatItWasMadeOf) {
         }
     EXPECT_GT(num_images, 10);
     EXPECT_EQ(service.run({"validate", dive.string()}, 60s).exit_code, 0);
+}
+
+TEST_F(ImportTest, AnUploadedRecordingIsReconstructedWithItsOwnCalibration) {
+    const fs::path recording = write_recording(small_dive());
+    if (recording.empty()) GTEST_SKIP() << "run npm ci in tests/end_to_end/js first";
+    service.start_server(1);
+    const Outcome uploaded =
+        service.run({"upload", recording.string(), "--wait", "--set", "surface=false"}, 240s);
+    EXPECT_EQ(uploaded.exit_code, 0) << uploaded.err;
+    const nlohmann::json dive = service.dives().at(0);
+    EXPECT_EQ(dive.at("state"), "ready");
+    EXPECT_EQ(dive.at("num_frames"), numbers_of(small_dive() / "mav0/cam0/data.csv").size());
+    // Nothing says where the IMU is, so vision alone gives the scale.
+    EXPECT_EQ(service.wait_for_reconstruction("succeeded", 1s).at("verdict"),
+              "usable_with_restrictions");
+    // The same bytes are known by their hash alone.
+    EXPECT_EQ(service.run({"upload", recording.string(), "--no-job"}, 60s).exit_code, 0);
+    EXPECT_EQ(service.dives().size(), 1U);
 }
 
 }  // namespace

@@ -18,8 +18,7 @@
 #include "worker/attempt/attempt_protocol.hpp"
 #include "worker/attempt/forbid_processes.hpp"
 #include "worker/compare/compare.hpp"
-#include "worker/dive/intake.hpp"
-#include "worker/pipeline/check_cameras.hpp"
+#include "worker/pipeline/examine.hpp"
 #include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/report/accuracy_report.hpp"
 #include "worker/report/truth_check.hpp"
@@ -74,8 +73,7 @@ void write_thumbnail(const std::filesystem::path& file, const std::string& jpeg)
 }
 
 void run_intake(const AttemptRequest& request) {
-    const dive::IntakeReport report =
-        dive::examine_dive(request.dive, request.scratch, reporter(), pipeline::check_cameras);
+    const auto report = pipeline::examine(request.dive, request.scratch, reporter());
     if (!report.thumbnail_jpeg.empty())
         write_thumbnail(request.out / "thumbnail.jpg", report.thumbnail_jpeg);
     send(IntakeAnswer{.findings = report.findings,

@@ -1,5 +1,6 @@
 #include "worker/dive/dive_json.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 
@@ -13,6 +14,9 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMaxTags = 64;
+constexpr std::size_t kMaxImportFindings = 200;
+constexpr std::size_t kMaxCode_bytes = 64;
+constexpr std::size_t kMaxMessage_bytes = 1000;
 constexpr std::size_t kMaxDistances = 100'000;
 constexpr std::size_t kMaxMarks = 10'000;  // of one end
 
@@ -79,6 +83,32 @@ std::optional<types::GeographicPosition> position_at(const json& object, Finding
     return std::nullopt;
 }
 
+bool is_finding_code(const std::string& code) {
+    return !code.empty() && code.size() <= kMaxCode_bytes &&
+           code.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
+}
+
+// Reports what was found when the dive was imported from a recording in another form.
+void report_import(const json& object, FindingLog& findings) {
+    const auto origin = object.find("imported_from");
+    if (origin == object.end() || !origin->is_object()) return;
+    const auto list = origin->find("findings");
+    if (list == origin->end() || !list->is_array()) return;
+    for (std::size_t i = 0; i < std::min(list->size(), kMaxImportFindings); ++i) {
+        const json& item = (*list)[i];
+        const std::string code = item.is_object() ? text_at(item, "code") : "";
+        if (!is_finding_code(code)) continue;
+        Finding finding{.severity = Severity::Warning,
+                        .code = code,
+                        .where = printable(text_at(item, "where")),
+                        .message = printable(text_at(item, "message"), kMaxMessage_bytes),
+                        .remedy = printable(text_at(item, "remedy"), kMaxMessage_bytes)};
+        if (text_at(item, "severity") == to_string(Severity::Info))
+            finding.severity = Severity::Info;
+        findings.add(std::move(finding));
+    }
+}
+
 template <int kSize>
 std::optional<Eigen::Vector<double, kSize>> point_at(const json& object, const char* key) {
     const auto found = object.find(key);
@@ -141,6 +171,7 @@ DiveInfo parse_dive_info(std::string_view text, FindingLog& findings) {
     info.rig = printable(text_at(object, "rig"));
     read_water(object, info);
     info.position = position_at(object, findings);
+    report_import(object, findings);
     const auto tags = object.find("tags");
     if (tags != object.end() && tags->is_array())
         for (const json& tag : *tags)

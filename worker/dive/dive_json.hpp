@@ -11,7 +11,8 @@ namespace divemesh::dive {
 // Code of the finding for a file that is not valid JSON.
 inline constexpr const char* kJsonUnreadable = "json_unreadable";
 
-// Parse dive.json and measurements.json; what cannot be read is left out with a warning.
+// Parse dive.json and measurements.json; what cannot be read is left out with a warning. What was
+// found when the dive was imported from another form is reported again.
 DiveInfo parse_dive_info(std::string_view text, FindingLog& findings);
 std::vector<KnownDistance> parse_known_distances(std::string_view text, FindingLog& findings);
 // Parses markers.json. A mistake is an error that names the field, as a wrong length would scale

@@ -5,7 +5,6 @@
 namespace divemesh::dive {
 namespace {
 
-constexpr std::size_t kMaxPrintedBytes = 200;
 constexpr std::size_t kMaxNameBytes = 1024;
 constexpr int kMaxFolders = 16;
 
@@ -42,11 +41,11 @@ std::string part_problem(std::string_view part) {
 
 }  // namespace
 
-std::string printable(std::string_view text) {
+std::string printable(std::string_view text, std::size_t max_bytes) {
     constexpr char kDigits[] = "0123456789abcdef";
     std::string result;
     while (!text.empty()) {
-        if (result.size() >= kMaxPrintedBytes) return result + "...";
+        if (result.size() >= max_bytes) return result + "...";
         const std::size_t length = utf8_length(text);
         const auto byte = static_cast<unsigned char>(text.front());
         if (length == 0 || is_control(byte)) {

@@ -16,7 +16,6 @@
 #include "worker/io/nerfstudio_writer.hpp"
 #include "worker/io/obj_writer.hpp"
 #include "worker/io/ply_zip.hpp"
-#include "worker/io/posed_images.hpp"
 #include "worker/io/thin_points.hpp"
 #include "worker/io/tiles_writer.hpp"
 #include "worker/io/trajectory_file.hpp"
@@ -93,12 +92,13 @@ types::Mesh thinned_cloud(const ReconstructionFolder& reconstruction) {
 template <typename WriteModel>
 std::vector<std::string> export_posed_images(const ReconstructionFolder& reconstruction,
                                              const nlohmann::json& certificate,
+                                             const WholeImage& whole_image,
                                              const std::filesystem::path& folder,
                                              const std::filesystem::path& model,
                                              const WriteModel& write) {
-    const PosedImages images = read_posed_images(reconstruction);
+    const PosedImages images = read_posed_images(reconstruction, whole_image);
     write(model, images, thinned_cloud(reconstruction), certificate_line(certificate));
-    copy_images(images, folder / "images");
+    write_images(images, folder / "images");
     write_certificate(folder, certificate);
     return {folder.filename().string()};
 }
@@ -182,7 +182,8 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
                                     ExportFormat format,
                                     const std::optional<types::GeographicPosition>& position,
                                     const nlohmann::json& certificate,
-                                    const std::filesystem::path& out) {
+                                    const std::filesystem::path& out,
+                                    const WholeImage& whole_image) {
     switch (format) {
         case ExportFormat::Kitti:
             write_kitti(out / "trajectory_kitti.txt", reconstruction.trajectory());
@@ -196,11 +197,16 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
             return export_ply(reconstruction, certificate_line(certificate), out);
         case ExportFormat::Geotiff: return export_geotiff(reconstruction, position, out);
         case ExportFormat::Colmap:
-            return export_posed_images(
-                reconstruction, certificate, out / "colmap", out / "colmap/sparse/0", write_colmap);
+            return export_posed_images(reconstruction,
+                                       certificate,
+                                       whole_image,
+                                       out / "colmap",
+                                       out / "colmap/sparse/0",
+                                       write_colmap);
         case ExportFormat::Nerfstudio:
             return export_posed_images(reconstruction,
                                        certificate,
+                                       whole_image,
                                        out / "nerfstudio",
                                        out / "nerfstudio",
                                        write_nerfstudio);
@@ -256,12 +262,14 @@ std::vector<std::string> export_reconstruction(
     const ReconstructionFolder& reconstruction,
     const std::vector<ExportFormat>& formats,
     const std::optional<types::GeographicPosition>& position,
-    const std::filesystem::path& out) {
+    const std::filesystem::path& out,
+    const WholeImage& whole_image) {
     const nlohmann::json certificate = certificate_of(reconstruction.metrics());
     std::filesystem::create_directories(out);
     std::vector<std::string> names;
     for (const ExportFormat format : formats)
-        for (std::string& name : export_one(reconstruction, format, position, certificate, out))
+        for (std::string& name :
+             export_one(reconstruction, format, position, certificate, out, whole_image))
             names.push_back(std::move(name));
     write_certificate(out, certificate);
     names.emplace_back("certificate.json");

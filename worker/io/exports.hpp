@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "worker/io/posed_images.hpp"
 #include "worker/io/reconstruction_folder.hpp"
 #include "worker/types/geographic_position.hpp"
 
@@ -17,7 +18,8 @@ namespace divemesh::io {
 //   obj      mesh_obj.zip           mesh.glb, or mesh.ply if that has no texture, as OBJ
 //   ply      mesh_ply.zip           the same as PLY with texture coordinates
 //   geotiff  mosaic.tif, heights.tif, heights_sigma.tif   in UTM; needs a position
-//   colmap   colmap/images, colmap/sparse/0  keyframes and up to 100,000 points as a sparse model
+//   colmap   colmap/images, colmap/sparse/0  keyframes and up to 100,000 points as a sparse model;
+//            the images are whole if export_reconstruction() is given them, else small
 //   nerfstudio   nerfstudio/                 the same as transforms.json and points.ply
 //   las      surface.las   vertices with sigma and number of observations; in UTM with a position
 //   e57      cloud.e57     all points of the cloud with their colours
@@ -52,6 +54,7 @@ std::vector<std::string> export_reconstruction(
     const ReconstructionFolder& reconstruction,
     const std::vector<ExportFormat>& formats,
     const std::optional<types::GeographicPosition>& position,
-    const std::filesystem::path& out);
+    const std::filesystem::path& out,
+    const WholeImage& whole_image = {});
 
 }  // namespace divemesh::io

@@ -14,9 +14,9 @@ bool begins_frame(unsigned marker) {
 
 }  // namespace
 
-std::string encode_jpeg(const cv::Mat& image) {
+std::string encode_jpeg(const cv::Mat& image, int quality) {
     std::vector<std::uint8_t> bytes;
-    if (!cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, kJpegQuality}))
+    if (!cv::imencode(".jpg", image, bytes, {cv::IMWRITE_JPEG_QUALITY, quality}))
         throw Error(ErrorCode::Unavailable,
                     "cannot encode an image of " + std::to_string(image.cols) + " x " +
                         std::to_string(image.rows) + " px as JPEG: free memory");

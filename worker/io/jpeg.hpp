@@ -10,7 +10,7 @@ namespace divemesh::io {
 inline constexpr int kJpegQuality = 90;  // of atlases, 0 to 100
 
 // Returns a BGR image as a JPEG file. Throws Error{Unavailable} if it cannot be encoded.
-std::string encode_jpeg(const cv::Mat& image);
+std::string encode_jpeg(const cv::Mat& image, int quality = kJpegQuality);
 
 // Returns the size that a JPEG file states in its frame header (ITU-T T.81); nullopt if it has
 // none.

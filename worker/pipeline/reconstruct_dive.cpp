@@ -23,7 +23,10 @@ void write_exports(const Reconstruction& made) {
     const auto position = io::position_of(folder);
     if (position && made.options().surface && made.options().texture)
         formats.push_back(io::ExportFormat::Geotiff);
-    io::export_reconstruction(folder, formats, position, made.request.out);
+    io::export_reconstruction(
+        folder, formats, position, made.request.out, [&made](int frame_index) {
+            return made.keyframe_store.left_in_color(frame_index);
+        });
 }
 
 // Writes metrics.json, its certificate and the report; returns the content of metrics.json.

@@ -20,7 +20,7 @@ class StageStore;
 
 // A request to reconstruct one dive.
 struct ReconstructionRequest {
-    std::filesystem::path dive;     // folder or archive
+    std::filesystem::path dive;     // folder, archive or recording
     std::filesystem::path out;      // for the artifacts, under their API names; created if missing
     std::filesystem::path scratch;  // for files between stages; the caller removes it
     std::filesystem::path cache = {};  // the stage store; empty: no store

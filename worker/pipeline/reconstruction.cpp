@@ -9,6 +9,7 @@
 #include "worker/camera/rectifier.hpp"
 #include "worker/io/reconstruction_folder.hpp"
 #include "worker/pipeline/check_cameras.hpp"
+#include "worker/recording/recorded_dive.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -26,7 +27,9 @@ void check_dive(const dive::Dive& dive, const ReconstructionRequest& request) {
 }
 
 std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
-    auto dive = dive::Dive::open(request.dive, request.scratch / "dive");
+    auto dive =
+        dive::Dive::open(recording::as_dive(request.dive, request.scratch, base::ignore_progress),
+                         request.scratch / "dive");
     if (request.options.correct_scale == "on" &&
         !dive::marker_plan_of(dive->markers(), request.options))
         throw Error(ErrorCode::InvalidArgument,

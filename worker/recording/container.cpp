@@ -75,6 +75,11 @@ void Container::report_damage(std::int64_t offset_bytes,
                      "Copy the recording again; if the original is damaged too, the rest is used.");
 }
 
+bool is_container(const InputFile& file) {
+    const std::string head = file.read(0, 13);
+    return head.starts_with(kMcapMagic) || head.starts_with(kRos1Magic);
+}
+
 std::unique_ptr<Container> open_container(const std::filesystem::path& path,
                                           dive::FindingLog& findings,
                                           const base::ProgressCallback& progress) {

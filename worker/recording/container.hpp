@@ -92,6 +92,9 @@ private:
     std::map<std::pair<std::string, std::string>, std::size_t> places_;  // by name and type
 };
 
+// Returns true for a file that begins as a recording in a format that open_container() reads.
+bool is_container(const InputFile& file);
+
 // Opens a recording by its first bytes. Every block is read once, indexed or not; what is damaged
 // is left out with a warning. Throws Error{BadData} if it is no recording of a known format, or
 // holds no message that can be read.

@@ -10,7 +10,7 @@
 
 #include "schemas/error.hpp"
 #include "schemas/file_descriptor.hpp"
-#include "worker/base/atomic_file.hpp"
+#include "schemas/json.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -57,9 +57,23 @@ void sync_disk_of(const fs::path& folder) {
                     "cannot write " + folder.string() + " to the disk: check the disk");
 }
 
+std::string dive_json(const Provenance& provenance) {
+    nlohmann::json origin = {{"sha256", provenance.sha256},
+                             {"size_bytes", provenance.size_bytes},
+                             {"findings", provenance.findings}};
+    nlohmann::json info = nlohmann::json::object();
+    if (!provenance.file.empty()) {
+        info["name"] = fs::path(provenance.file).stem().string();
+        origin["file"] = provenance.file;
+    }
+    info["imported_from"] = std::move(origin);
+    return info.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
+}
+
 }  // namespace
 
-DiveWriter::DiveWriter(fs::path out) : out_(std::move(out)) {
+DiveWriter::DiveWriter(fs::path out, base::Durability durability)
+    : out_(std::move(out)), durability_(durability) {
     if (!out_.has_filename()) out_ = out_.parent_path();  // a slash at the end
     partial_ = out_.string() + ".partial";
     check_is_free(out_);
@@ -92,21 +106,15 @@ void DiveWriter::commit(const RigFiles& rig, const Provenance& provenance) {
     write_camera(Side::Right, rig.cam1_yaml);
     if (rig.imu_yaml && !imu_.empty()) write_imu(*rig.imu_yaml);
     if (!pressure_.empty()) write_pressure();
-    const nlohmann::json info = {{"name", fs::path(provenance.file).stem().string()},
-                                 {"imported_from",
-                                  {{"file", provenance.file},
-                                   {"sha256", provenance.sha256},
-                                   {"size_bytes", provenance.size_bytes}}}};
-    const auto text = info.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
-    base::write_file(partial_ / "dive.json", text);
-    sync_disk_of(partial_);
+    base::write_file(partial_ / "dive.json", dive_json(provenance));
+    if (durability_ == base::Durability::Synced) sync_disk_of(partial_);
     std::error_code failure;
     fs::rename(partial_, out_, failure);  // replaces an empty folder
     if (failure)
         throw Error(ErrorCode::Unavailable,
                     "cannot give the dive its name " + out_.string() + ": " + failure.message() +
                         ": choose another one by --out");
-    sync_disk_of(out_);
+    if (durability_ == base::Durability::Synced) sync_disk_of(out_);
 }
 
 void DiveWriter::write_camera(Side side, const std::string& yaml) const {

@@ -6,6 +6,8 @@
 #include <unordered_map>
 #include <vector>
 
+#include "schemas/finding.hpp"
+#include "worker/base/atomic_file.hpp"
 #include "worker/recording/image_file.hpp"
 #include "worker/recording/rig_files.hpp"
 #include "worker/types/recording.hpp"
@@ -14,19 +16,21 @@ namespace divemesh::recording {
 
 // Where a dive came from, for its dive.json.
 struct Provenance {
-    std::string file;
+    std::string file;  // its name, after which the dive is named; "": a dive without a name
     std::string sha256;
     std::int64_t size_bytes = 0;
+    std::vector<Finding> findings;  // which the dive tells whenever it is opened
 };
 
 enum class Side { Left, Right };
 
 // Writes a dive in EuRoC layout beside its final name, `out`.partial, and gives it that name when
-// it is complete and on disk. Without commit() the destructor removes it. Throws Error{Conflict} if
-// `out` exists and is not an empty folder, and as AtomicFile does.
+// it is complete and, unless unsynced, on disk. Without commit() the destructor removes it. Throws
+// Error{Conflict} if `out` exists and is not an empty folder, and as AtomicFile does.
 class DiveWriter {
 public:
-    explicit DiveWriter(std::filesystem::path out);
+    explicit DiveWriter(std::filesystem::path out,
+                        base::Durability durability = base::Durability::Synced);
     ~DiveWriter();
     DiveWriter(const DiveWriter&) = delete;
     DiveWriter& operator=(const DiveWriter&) = delete;
@@ -50,6 +54,7 @@ private:
 
     std::filesystem::path out_;
     std::filesystem::path partial_;
+    base::Durability durability_;
     Names left_;
     Names right_;
     std::vector<types::ImuSample> imu_;

@@ -14,11 +14,23 @@ namespace {
 
 constexpr std::int64_t kHashed_bytes = std::int64_t{1} << 20U;  // at a time
 
-Provenance provenance_of(const InputFile& file) {
+std::string sha256_of(const InputFile& file) {
     Sha256 hash;
     for (std::int64_t at = 0; at < file.size_bytes(); at += kHashed_bytes)
         hash.update(file.read(at, kHashed_bytes));
-    return {file.path().filename().string(), hash.hex(), file.size_bytes()};
+    return hash.hex();
+}
+
+Provenance provenance_of(const InputFile& file,
+                         Naming naming,
+                         const std::vector<Finding>& findings) {
+    const std::string name = file.path().filename().string();
+    Provenance provenance{name, sha256_of(file), file.size_bytes(), findings};
+    if (naming == Naming::AfterFile) return provenance;
+    provenance.file.clear();
+    for (Finding& finding : provenance.findings)
+        if (finding.where.starts_with(name)) finding.where.replace(0, name.size(), "recording");
+    return provenance;
 }
 
 std::vector<double> size_of(const LoggedMessage& message, const Topic& topic) {
@@ -55,11 +67,12 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
     if (!chosen_.problem.empty()) throw Error(ErrorCode::InvalidArgument, chosen_.problem);
     const RigFiles rig = find_rig();
     if (chosen_.imu && !rig.imu_yaml)
-        findings_.warning("imu_left_out",
-                          topics()[*chosen_.imu].name,
-                          "the IMU is left out: where it is relative to the cameras is not known",
-                          "State it by --calibration: T_BS of both cameras relative to the IMU.");
-    DiveWriter writer(options_.out);
+        findings_.warning(
+            "imu_left_out",
+            topics()[*chosen_.imu].name,
+            "the IMU is left out: where it is relative to the cameras is not known",
+            "State it by divemesh import --calibration: T_BS of both cameras relative to the IMU.");
+    DiveWriter writer(options_.out, options_.durability);
     MessageSorter sorter(topics(), chosen_, rig, writer, findings_);
     log_.rewind();
     std::int64_t num_read = 0;
@@ -77,7 +90,7 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
             "pressure_converted",
             topics()[*chosen_.pressure].name,
             "depth is computed from pressure for sea water of 1025 kg/m^3 under 101325 Pa");
-    writer.commit(rig, provenance_of(InputFile(options_.recording)));
+    writer.commit(rig, provenance_of(InputFile(options_.recording), options_.naming, findings()));
     return {writer.num_images(Side::Left),
             writer.num_images(Side::Right),
             writer.num_imu(),

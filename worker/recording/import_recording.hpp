@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "worker/base/atomic_file.hpp"
 #include "worker/base/observer.hpp"
 #include "worker/dive/finding_log.hpp"
 #include "worker/recording/choose_topics.hpp"
@@ -13,12 +14,17 @@
 
 namespace divemesh::recording {
 
+// Whether a dive is named after the file that it was imported from.
+enum class Naming { AfterFile, Unnamed };
+
 struct ImportOptions {
     std::filesystem::path recording;
     std::filesystem::path out;                       // folder of the dive, which must not exist
     std::vector<std::filesystem::path> calibration;  // as read_rig() reads it; {}: CameraInfo
     std::optional<double> metres_per_unit;           // of its translations, where that is open
     NamedTopics topics;
+    Naming naming = Naming::AfterFile;
+    base::Durability durability = base::Durability::Synced;
 };
 
 // What came of an import.

@@ -9,6 +9,7 @@
 #include "schemas/error.hpp"
 #include "worker/dive/dive_json.hpp"
 #include "worker/io/mesh_reader.hpp"
+#include "worker/recording/recorded_dive.hpp"
 
 namespace divemesh::report {
 namespace {
@@ -62,7 +63,10 @@ std::unique_ptr<dive::Dive> open_dive(const AccuracyReportRequest& request,
     const base::ProgressCallback opening = [&](const Progress&) {
         progress({.stage = "evaluate", .fraction = 0.05});
     };
-    auto dive = dive::Dive::open(*request.dive, request.scratch / "dive", {}, opening);
+    auto dive = dive::Dive::open(recording::as_dive(*request.dive, request.scratch, opening),
+                                 request.scratch / "dive",
+                                 {},
+                                 opening);
     const std::string expected =
         reconstruction.metrics().value(json::json_pointer("/dive/content_sha256"), std::string());
     if (!expected.empty() && dive->content_sha256() != expected)

@@ -1,5 +1,5 @@
 // node write_mcap.mjs DIVE FILE: the images and the IMU of a dive as a robot with ROS 2 records them,
-// in MCAP by the writer of mcap.dev, its messages in CDR.
+// in MCAP by the writer of mcap.dev, its messages in CDR, and their calibration as CameraInfo.
 import { open, readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { McapWriter } from '@mcap/core';
@@ -61,6 +61,32 @@ const channel = async (topic, name) => {
   return writer.registerChannel(info);
 };
 
+// Returns the numbers behind a key of sensor.yaml, and T_BS as rows.
+const numbers = (yaml, key) =>
+  new RegExp(`^\\s*${key}: *\\[([^\\]]*)\\]`, 'm').exec(yaml)[1].split(',').map(Number);
+const calibration = async (camera) => {
+  const yaml = await readFile(join(dive, 'mav0', camera, 'sensor.yaml'), 'utf8');
+  const T = numbers(yaml, 'data');
+  return {
+    size: numbers(yaml, 'resolution'),
+    intrinsics: numbers(yaml, 'intrinsics'),
+    distortion: [...numbers(yaml, 'distortion_coefficients'), 0],
+    axes: [0, 1, 2].map((column) => [T[column], T[4 + column], T[8 + column]]),
+    centre: [T[3], T[7], T[11]],
+  };
+};
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const cross = (a, b) =>
+  [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => a.map((value) => value / Math.sqrt(dot(a, a)));
+
+// The axes of the rectified cameras in the body: x along the baseline, z ahead.
+const cameras = [await calibration('cam0'), await calibration('cam1')];
+const baseline = [0, 1, 2].map((i) => cameras[1].centre[i] - cameras[0].centre[i]);
+const x = unit(baseline);
+const y = unit(cross(cameras[0].axes[2], x));
+const rectified = [x, y, cross(x, y)];
+
 const messages = [];
 for (const [camera, side] of [['cam0', 'left'], ['cam1', 'right']]) {
   const topic = `/stereo/${side}/image_raw/compressed`;
@@ -71,6 +97,15 @@ for (const [camera, side] of [['cam0', 'left'], ['cam1', 'right']]) {
       const head = new Cdr().header(BigInt(time), side).string('jpeg').uint32(image.length);
       return head.with(image);
     }]);
+  const camera_info = await channel(`/stereo/${side}/camera_info`, 'sensor_msgs/msg/CameraInfo');
+  const { size, intrinsics: [fx, fy, cx, cy], distortion, axes } = cameras[side === 'left' ? 0 : 1];
+  const R = rectified.flatMap((row) => axes.map((axis) => dot(row, axis)));
+  const shift = side === 'left' ? 0 : -fx * Math.sqrt(dot(baseline, baseline));
+  messages.push([0n, camera_info, async () =>
+    new Cdr().header(0n, side).uint32(size[1]).uint32(size[0]).string('plumb_bob')
+      .uint32(distortion.length).float64s(distortion).float64s([fx, 0, cx, 0, fy, cy, 0, 0, 1])
+      .float64s(R).float64s([fx, 0, cx, shift, 0, fx, cy, 0, 0, 0, 1, 0])
+      .uint32(0).uint32(0).uint32(0).uint32(0).uint32(0).uint32(0).with(new Uint8Array(1))]);
 }
 const imu = await channel('/imu/data', 'sensor_msgs/msg/Imu');
 const none = Array(9).fill(0);

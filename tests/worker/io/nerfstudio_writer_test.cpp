@@ -1,5 +1,7 @@
 #include "worker/io/nerfstudio_writer.hpp"
 
+#include <opencv2/imgcodecs.hpp>
+
 #include "tests/worker/io/exported_folder.hpp"
 #include "worker/io/exports.hpp"
 
@@ -39,6 +41,24 @@ TEST_F(NerfstudioWriterTest, ItsCameraSeesAPointWhereOursDoes) {
     }
     EXPECT_EQ(transforms["w"], 320);
     EXPECT_EQ(transforms["h"], 240);
+}
+
+TEST_F(NerfstudioWriterTest, WholeImagesComeWithTheCameraOfTheirSize) {
+    std::filesystem::remove_all(file("keyframes"));
+    export_reconstruction(
+        open(), {ExportFormat::Nerfstudio}, std::nullopt, file(""), [](int frame_index) {
+            const double blue = frame_index == 12 ? 200.0 : 50.0;
+            return cv::Mat(480, 640, CV_8UC3, cv::Scalar(blue, 100, 150));
+        });
+    const json transforms = json::parse(read(file("nerfstudio/transforms.json")));
+    EXPECT_EQ(transforms["w"], 640);
+    EXPECT_EQ(transforms["h"], 480);
+    EXPECT_NEAR(transforms["fl_x"].get<double>(), rig_.focal_px, 1e-9);
+    EXPECT_NEAR(transforms["cx"].get<double>(), rig_.cx_px + 0.5, 1e-9);
+    EXPECT_NEAR(transforms["cy"].get<double>(), rig_.cy_px + 0.5, 1e-9);
+    const cv::Mat second = cv::imread(file("nerfstudio/images/000012.jpg").string());
+    ASSERT_EQ(second.size(), cv::Size(640, 480));
+    EXPECT_NEAR(second.at<cv::Vec3b>(240, 320)[0], 200, 2);
 }
 
 TEST_F(NerfstudioWriterTest, NamesTheFilesBesideIt) {
