@@ -10,7 +10,8 @@ bool has(std::string_view text, std::string_view key) {
 // Returns how to make sensor.yaml files of such a calibration.
 std::string by_import(const std::string& files) {
     return "divemesh import --calibration " + files +
-           " --out DIVE writes sensor.yaml files of it; move a sensor.yaml that is there away first "
+           " --out DIVE writes sensor.yaml files of it; move a sensor.yaml that is there away "
+           "first "
            "(docs/dives.md).";
 }
 
