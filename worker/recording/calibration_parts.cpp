@@ -61,7 +61,8 @@ Eigen::Isometry3d rigid_transform(const Eigen::Matrix4d& T, const std::string& n
     dive::SensorYaml yaml;
     yaml.T_body_sensor = T;
     dive::FindingLog findings;
-    const bool is_sane = T.topLeftCorner<3, 3>().cwiseAbs().maxCoeff() < kMaxRotationEntry &&
+    const bool is_sane = T.allFinite() &&
+                         T.topLeftCorner<3, 3>().cwiseAbs().maxCoeff() < kMaxRotationEntry &&
                          T.topRightCorner<3, 1>().cwiseAbs().maxCoeff() < kMaxTranslation_m;
     const auto motion = is_sane ? dive::rigid_motion(yaml, name, findings) : std::nullopt;
     if (!motion)

@@ -35,15 +35,17 @@ std::optional<std::size_t> camera_of_topic(const YAML::Node& root,
 }
 
 // Returns the camera's pose on the IMU: the inverse of T_cam_imu, or T_imu_cam as OpenVINS has it.
-std::optional<Eigen::Matrix4d> T_imu_cam(const YAML::Node& camera, const std::string& name) {
+std::optional<Eigen::Matrix4d> pose_on_imu(const YAML::Node& camera, const std::string& name) {
     if (const auto T_cam_imu = dive::matrix_at(camera, "T_cam_imu"))
         return rigid_transform(*T_cam_imu, "T_cam_imu of " + name).inverse().matrix();
-    return dive::matrix_at(camera, "T_imu_cam");
+    const auto T_imu_cam = dive::matrix_at(camera, "T_imu_cam");
+    if (!T_imu_cam) return std::nullopt;
+    return rigid_transform(*T_imu_cam, "T_imu_cam of " + name).matrix();
 }
 
 dive::SensorYaml read_camera(const YAML::Node& camera, const std::string& name) {
     dive::SensorYaml yaml;
-    yaml.T_body_sensor = T_imu_cam(camera, name);
+    yaml.T_body_sensor = pose_on_imu(camera, name);
     yaml.camera_model = dive::text_at(camera, "camera_model");
     yaml.intrinsics = dive::numbers_at(camera, "intrinsics");
     yaml.distortion_model = dive::text_at(camera, "distortion_model");

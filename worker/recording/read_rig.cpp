@@ -108,7 +108,11 @@ RigFiles read_rig(const std::vector<fs::path>& files,
         return rig_of_folder(files[0], findings);
     CalibrationParts parts;
     for (const fs::path& file : files) add_parts(parts_of_file(file, hints, findings), file, parts);
-    return assemble_rig(parts, hints, findings);
+    try {
+        return assemble_rig(parts, hints, findings);
+    } catch (const Error& error) {
+        throw Error(error.code(), dive::printable(files[0].string()) + ": " + error.what());
+    }
 }
 
 void write_rig(const RigFiles& rig, const fs::path& dive) {

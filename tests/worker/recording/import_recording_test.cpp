@@ -312,6 +312,23 @@ TEST_F(ImportRecordingTest, CameraInfoOfRectifiedImagesGivesThePinholesOfP) {
     EXPECT_TRUE(rig.cam1.T_body_cam.linear().isIdentity(1e-15));
 }
 
+TEST_F(ImportRecordingTest, ACalibrationWithoutASizeIsForTheRecordedImages) {
+    ImportOptions options = options_for(InfoPair().recording("image_raw"));
+    options.calibration = {folder_ / "rig.yml"};
+    std::ofstream(options.calibration[0]) << "%YAML:1.0\n---\nK1: [60, 0, 31, 0, 61, 24, 0, 0, 1]\n"
+                                             "K2: [62, 0, 30, 0, 63, 23, 0, 0, 1]\n"
+                                             "R: [0, 0, 0]\nT: [-12, 0, 0]\n";
+    EXPECT_NE(refusal_of(options).find("--calibration-unit"), std::string::npos);
+    options.metres_per_unit = 1e-2;
+    imported(options);
+    dive::FindingLog findings;
+    const RigFiles rig = rig_of_folder(options.out, findings);
+    EXPECT_EQ(rig.cam0.camera.width_px, 64);
+    EXPECT_EQ(rig.cam1.camera.height_px, 48);
+    EXPECT_EQ(rig.cam1.camera.fy_px, 63.0);
+    EXPECT_LT((rig.cam1.T_body_cam.translation() - Eigen::Vector3d(0.12, 0, 0)).norm(), 1e-15);
+}
+
 TEST_F(ImportRecordingTest, AMessageWithoutAStampHasTheTimeOfRecording) {
     const ImportOptions options = options_for(InfoPair().recording("image_raw", 0));
     imported(options);

@@ -206,6 +206,8 @@ TEST_F(ReadRigTest, HostileFilesAreRefusedWithAReason) {
         for (int i = 0; i < 50'000; ++i) tags += "<a>";
         return tags;
     }();
+    const std::string opencv =
+        "K1: [500, 0, 320, 0, 500, 240, 0, 0, 1]\nK2: [500, 0, 320, 0, 500, 240, 0, 0, 1]\n";
     const std::vector<std::string> texts = {
         "",
         " ",
@@ -255,6 +257,8 @@ TEST_F(ReadRigTest, HostileFilesAreRefusedWithAReason) {
         "M1: [1, 2]\nM2: [1, 2]\n",
         "M1: {data: [[1]]}\nM2: {data: x}\n",
         "R: [1]\nT: [1]\n",
+        opencv + "R: [1e308, 1e308, 0]\nT: [0.1, 0, 0]\n",
+        opencv + "R: [1e200, 0, 0, 0, 1, 0, 0, 0, 1]\nT: [0.1, 0, 0]\n",
         "R: [0, 0, 0]\nT: [0, 0, 0]\n",
         "R: [0, 0, 0]\nT: [1e300, 0, 0]\n",
         "{\"fx_left\": 1, \"fx_right\": 1e999}",
