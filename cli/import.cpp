@@ -128,7 +128,7 @@ void add_import(CLI::App& app, Context& context) {
     auto arguments = std::make_shared<ImportArguments>();
     recording::ImportOptions& options = arguments->options;
     // clang-format off
-    command->add_option("recording", options.recording, "ROS 1 bag (.bag) or MCAP (.mcap); none: --calibration alone writes sensor.yaml files into --out");
+    command->add_option("recording", options.recording, "ROS 1 bag (.bag), MCAP (.mcap), ROS 2 bag (.db3) or its folder; none: --calibration alone writes sensor.yaml files into --out");
     command->add_option("--out", options.out, "folder of the dive, which must not exist; without a recording it may")->required();
     command->add_option("--left", options.topics.left, "topic of the left camera; default: by its name");
     command->add_option("--right", options.topics.right, "topic of the right camera");

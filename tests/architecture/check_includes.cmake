@@ -5,7 +5,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/layers.cmake)
 
 # What one folder alone may include of the world.
 set(sql_headers "^#include <(soci|sqlite3|postgresql|libpq)")
-set(sql_allowed "^storage/")
+set(sql_allowed "^(storage/|worker/recording/db3_)") # a bag of ROS 2 is a database of its own
 set(vision_headers "^#include <(opencv2|ceres|embree)")
 set(vision_allowed "^(worker|sensor)/")
 set(solver_headers "^#include <(ceres|apriltag)")

@@ -3,11 +3,21 @@
 #include "schemas/error.hpp"
 #include "tests/fuzz/input.hpp"
 #include "tests/temporary_folder.hpp"
+#include "worker/recording/frame_tree.hpp"
 #include "worker/recording/image_file.hpp"
 #include "worker/recording/message_log.hpp"
 
 namespace divemesh::recording {
 namespace {
+
+void relate_frames(Serialization serialization, std::string_view bytes) {
+    FrameTree frames;
+    dive::FindingLog findings;
+    const auto transforms = parse_transforms(serialization, bytes);
+    for (const TransformMessage& transform : transforms) frames.add(transform, findings);
+    for (const TransformMessage& transform : transforms)
+        frames.between(transforms.front().child_frame, transform.child_frame);
+}
 
 // Parses a message as each of those that a dive is made of.
 void parse(std::size_t kind, Serialization serialization, std::string_view bytes) {
@@ -16,11 +26,12 @@ void parse(std::size_t kind, Serialization serialization, std::string_view bytes
     if (kind == 2) parse_imu_message(serialization, bytes);
     if (kind == 3) parse_camera_info(serialization, bytes);
     if (kind == 4) parse_fluid_pressure(serialization, bytes);
+    if (kind == 5) relate_frames(serialization, bytes);
 }
 
 void parse_every_way(std::string_view bytes) {
     for (const auto serialization : {Serialization::Ros1, Serialization::Cdr})
-        for (std::size_t kind = 0; kind < 5; ++kind) try {
+        for (std::size_t kind = 0; kind < 6; ++kind) try {
                 parse(kind, serialization, bytes);
             } catch (const Error&) {
                 continue;
@@ -30,7 +41,7 @@ void parse_every_way(std::string_view bytes) {
 }  // namespace
 }  // namespace divemesh::recording
 
-// Fuzzes a file given as a recording, a ROS bag or MCAP, and the messages in it.
+// Fuzzes a file given as a recording, MCAP or a ROS bag, also in SQLite, and the messages in it.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     static const divemesh::TemporaryFolder folder;
     const auto file = folder / "recording";

@@ -109,7 +109,7 @@ RigFiles rig_of_ros(const CalibrationParts& parts,
             "camera_info of ROS is read of both cameras of a pair, and without another "
             "calibration: give the two files");
     const auto [left, right] = in_order(parts.infos, findings);
-    return rig_of_infos(left, right, hints.rectification, findings);
+    return rig_of_infos(left, right, hints.rectification, {}, findings);
 }
 
 std::string imu_text(const CalibrationParts& parts, dive::FindingLog& findings) {

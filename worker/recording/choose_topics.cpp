@@ -26,6 +26,11 @@ bool is_image(const Topic& topic) {
 
 bool is_compressed(const Topic& topic) { return topic.type == "sensor_msgs/CompressedImage"; }
 
+bool is_static_transform(const Topic& topic) {
+    return (topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage") &&
+           topic.name.ends_with("tf_static");
+}
+
 using Places = std::vector<std::size_t>;
 
 template <typename Condition>
@@ -135,6 +140,8 @@ std::string ChosenTopics::use_of(std::size_t topic) const {
     if (right_info == topic) return "calibration of the right camera";
     if (imu == topic) return "IMU";
     if (pressure == topic) return "depth";
+    if (std::find(transforms.begin(), transforms.end(), topic) != transforms.end())
+        return "poses of the sensors";
     return "";
 }
 
@@ -156,6 +163,7 @@ ChosenTopics choose_topics(const std::vector<Topic>& topics, const NamedTopics& 
     choose_imu(topics, named.imu, chosen);
     const Places pressures = places_of_type(topics, "sensor_msgs/FluidPressure");
     if (pressures.size() == 1) chosen.pressure = pressures.front();
+    chosen.transforms = places_where(topics, is_static_transform);
     return chosen;
 }
 

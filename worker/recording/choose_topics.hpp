@@ -24,6 +24,7 @@ struct ChosenTopics {
     std::optional<std::size_t> right_info;
     std::optional<std::size_t> imu;
     std::optional<std::size_t> pressure;
+    std::vector<std::size_t> transforms;  // tf_static
     std::string problem;  // why the choice is not clear, and what to do; "" if it is
 
     // Returns what a topic is used for, for people; "" if it is not.

@@ -1,10 +1,15 @@
 #include "worker/recording/container.hpp"
 
 #include <algorithm>
+#include <system_error>
 
 #include "schemas/error.hpp"
+#include "worker/recording/bag_folder.hpp"
+#include "worker/recording/db3_container.hpp"
 #include "worker/recording/mcap_container.hpp"
 #include "worker/recording/ros1_container.hpp"
+#include "worker/recording/unpack.hpp"
+#include "worker/recording/unpacked_file.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -22,13 +27,39 @@ std::string type_of_either_ros(std::string_view type) {
     std::string text = file.path().string();
     if (head.starts_with("#ROSBAG V"))
         text += " is a ROS bag older than 2.0: convert it by rosbag migrate";
-    else if (head.starts_with("SQLite format"))
-        text +=
-            " is a ROS 2 bag in SQLite, which is not read: convert it by ros2 bag convert, with "
-            "storage_id: mcap in its options";
     else
-        text += " is neither MCAP nor a ROS 1 bag: give the .mcap or .bag file itself";
+        text +=
+            " is neither MCAP nor a ROS bag: give the .mcap, .db3 or .bag file itself, or the "
+            "folder of a ROS 2 bag";
     throw Error(ErrorCode::BadData, text);
+}
+
+// Opens one file that is not compressed as a whole.
+std::unique_ptr<Container> opened_file(InputFile file,
+                                       dive::FindingLog& findings,
+                                       const base::ProgressCallback& progress) {
+    const std::string head = file.read(0, std::ssize(kSqliteMagic));
+    if (head.starts_with(kMcapMagic))
+        return std::make_unique<McapContainer>(std::move(file), findings, progress);
+    if (head.starts_with(kRos1Magic))
+        return std::make_unique<Ros1Container>(std::move(file), findings, progress);
+    if (head.starts_with(kSqliteMagic))
+        return std::make_unique<Db3Container>(std::move(file), findings, progress);
+    fail_as_unknown(file);
+}
+
+std::unique_ptr<Container> opened(const std::filesystem::path& path,
+                                  dive::FindingLog& findings,
+                                  const base::ProgressCallback& progress) {
+    std::error_code failure;
+    if (std::filesystem::is_directory(path, failure))
+        return std::make_unique<BagFolder>(path, findings, progress);
+    InputFile file(path);
+    if (!file.read(0, std::ssize(kZstdMagic)).starts_with(kZstdMagic))
+        return opened_file(std::move(file), findings, progress);
+    // The container holds it open, so it can lose its name.
+    const UnpackedFile unpacked(file, findings, progress);
+    return opened_file(InputFile(unpacked.path()), findings, progress);
 }
 
 }  // namespace
@@ -43,6 +74,16 @@ std::optional<std::size_t> Container::topic_of(std::string_view name,
     if (topics_.size() == kMaxTopics) return std::nullopt;
     topics_.push_back({key.first, key.second, serialization, 0});
     return places_.emplace(key, topics_.size() - 1).first->second;
+}
+
+void Container::count_unpacked(std::int64_t num_bytes) {
+    unpacked_bytes_ += num_bytes;
+    if (!is_bomb(unpacked_bytes_, packed_bytes_)) return;
+    throw Error(ErrorCode::TooLarge,
+                file_.path().string() + " of " + std::to_string(packed_bytes_) +
+                    " bytes unpacks to more than 100 times its size or 512 GiB, like a "
+                    "decompression bomb: record compressed images, which hardly shrink, or split "
+                    "the recording");
 }
 
 void Container::add_block(Block block, const BlockContents& contents) {
@@ -76,22 +117,15 @@ void Container::report_damage(std::int64_t offset_bytes,
 }
 
 bool is_container(const InputFile& file) {
-    const std::string head = file.read(0, 13);
-    return head.starts_with(kMcapMagic) || head.starts_with(kRos1Magic);
+    const std::string head = file.read(0, std::ssize(kSqliteMagic));
+    return head.starts_with(kMcapMagic) || head.starts_with(kRos1Magic) ||
+           head.starts_with(kSqliteMagic);
 }
 
 std::unique_ptr<Container> open_container(const std::filesystem::path& path,
                                           dive::FindingLog& findings,
                                           const base::ProgressCallback& progress) {
-    InputFile file(path);
-    const std::string head = file.read(0, 13);
-    std::unique_ptr<Container> container;
-    if (head.starts_with(kMcapMagic))
-        container = std::make_unique<McapContainer>(std::move(file), findings, progress);
-    else if (head.starts_with(kRos1Magic))
-        container = std::make_unique<Ros1Container>(std::move(file), findings, progress);
-    else
-        fail_as_unknown(file);
+    auto container = opened(path, findings, progress);
     if (container->blocks().empty())
         throw Error(ErrorCode::BadData,
                     path.string() +

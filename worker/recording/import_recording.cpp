@@ -6,6 +6,7 @@
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "worker/dive/image.hpp"
+#include "worker/recording/bag_folder.hpp"
 #include "worker/recording/dive_writer.hpp"
 #include "worker/recording/message_sorter.hpp"
 
@@ -14,18 +15,21 @@ namespace {
 
 constexpr std::int64_t kHashed_bytes = std::int64_t{1} << 20U;  // at a time
 
-std::string sha256_of(const InputFile& file) {
-    Sha256 hash;
-    for (std::int64_t at = 0; at < file.size_bytes(); at += kHashed_bytes)
-        hash.update(file.read(at, kHashed_bytes));
-    return hash.hex();
-}
-
-Provenance provenance_of(const InputFile& file,
+// Returns where a dive came from. The hash of a folder is that of its files after each other.
+Provenance provenance_of(const std::filesystem::path& recording,
                          Naming naming,
                          const std::vector<Finding>& findings) {
-    const std::string name = file.path().filename().string();
-    Provenance provenance{name, sha256_of(file), file.size_bytes(), findings};
+    const auto path = recording.has_filename() ? recording : recording.parent_path();
+    const std::string name = path.filename().string();
+    Sha256 hash;
+    Provenance provenance{.file = name, .findings = findings};
+    for (const auto& part : files_of_recording(path)) {
+        const InputFile file(part);
+        provenance.size_bytes += file.size_bytes();
+        for (std::int64_t at = 0; at < file.size_bytes(); at += kHashed_bytes)
+            hash.update(file.read(at, kHashed_bytes));
+    }
+    provenance.sha256 = hash.hex();
     if (naming == Naming::AfterFile) return provenance;
     provenance.file.clear();
     for (Finding& finding : provenance.findings)
@@ -71,7 +75,8 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
             "imu_left_out",
             topics()[*chosen_.imu].name,
             "the IMU is left out: where it is relative to the cameras is not known",
-            "State it by divemesh import --calibration: T_BS of both cameras relative to the IMU.");
+            "Record tf_static, or state it by divemesh import --calibration: T_BS of both cameras "
+            "relative to the IMU.");
     DiveWriter writer(options_.out, options_.durability);
     MessageSorter sorter(topics(), chosen_, rig, writer, findings_);
     log_.rewind();
@@ -90,7 +95,7 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
             "pressure_converted",
             topics()[*chosen_.pressure].name,
             "depth is computed from pressure for sea water of 1025 kg/m^3 under 101325 Pa");
-    writer.commit(rig, provenance_of(InputFile(options_.recording), options_.naming, findings()));
+    writer.commit(rig, provenance_of(options_.recording, options_.naming, findings()));
     return {writer.num_images(Side::Left),
             writer.num_images(Side::Right),
             writer.num_imu(),
@@ -99,14 +104,17 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
 
 RigFiles RecordingImport::find_rig() {
     if (!options_.calibration.empty()) return read_rig(options_.calibration, findings_, hints());
-    const auto left = first_info(chosen_.left_info);
-    const auto right = first_info(chosen_.right_info);
-    if (!left || !right)
+    const RigMessages rig_messages = read_rig_messages(log_, chosen_, findings_);
+    if (!rig_messages.left_info || !rig_messages.right_info)
         throw Error(ErrorCode::BadData,
                     "the recording has no CameraInfo beside the images of " +
-                        topics()[left ? *chosen_.right : *chosen_.left].name +
+                        topics()[rig_messages.left_info ? *chosen_.right : *chosen_.left].name +
                         ": state the calibration by --calibration");
-    return rig_of_infos(*left, *right, rectification(), findings_);
+    return rig_of_infos(*rig_messages.left_info,
+                        *rig_messages.right_info,
+                        rectification(),
+                        poses_of_frames(rig_messages, findings_),
+                        findings_);
 }
 
 Rectification RecordingImport::rectification() const {
@@ -119,24 +127,6 @@ RigHints RecordingImport::hints() {
             topics()[*chosen_.left].name,
             topics()[*chosen_.right].name,
             options_.metres_per_unit};
-}
-
-// Returns the first message of a topic that is a CameraInfo.
-std::optional<CameraInfo> RecordingImport::first_info(std::optional<std::size_t> topic) {
-    if (!topic) return std::nullopt;
-    log_.rewind();
-    while (const auto message = log_.next()) {
-        if (message->topic != topic) continue;
-        try {
-            return parse_camera_info(topics()[*topic].serialization, message->bytes);
-        } catch (const Error& error) {
-            findings_.warning("message_unreadable",
-                              topics()[*topic].name,
-                              std::string("a message is left out: ") + error.what(),
-                              "");
-        }
-    }
-    return std::nullopt;
 }
 
 }  // namespace divemesh::recording

@@ -54,7 +54,6 @@ private:
     RigFiles find_rig();
     Rectification rectification() const;
     RigHints hints();
-    std::optional<CameraInfo> first_info(std::optional<std::size_t> topic);
 
     ImportOptions options_;
     dive::FindingLog findings_;

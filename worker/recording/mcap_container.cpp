@@ -55,14 +55,7 @@ std::optional<McapChunk> parse_chunk(std::string_view record) {
     return McapChunk{*num_bytes, *crc, *codec, cursor.rest().substr(0, *packed_bytes)};
 }
 
-// The decompressed records of a chunk, or what is wrong with it. A chunk that the file cuts gives
-// the records before the cut.
-struct OpenedChunk {
-    std::string bytes;
-    std::string problem;  // "" if there is none
-};
-
-OpenedChunk open_chunk(std::string_view record, bool is_cut) {
+OpenedBlock open_chunk(std::string_view record, bool is_cut) {
     const auto chunk = parse_chunk(record);
     if (!chunk) return {"", "the head of a chunk is damaged"};
     const auto codec = codec_from_text(chunk->codec);
@@ -94,18 +87,12 @@ bool is_chunk(std::string_view record) {
     return !record.empty() && static_cast<std::uint8_t>(record.front()) == kChunk;
 }
 
-// Returns the bytes of a block from which its messages are parsed.
-OpenedChunk open_block(std::string bytes) {
-    if (!is_chunk(bytes)) return {std::move(bytes), ""};
-    return open_chunk(bytes, !record_bytes(bytes, std::ssize(bytes)));
-}
-
 }  // namespace
 
 McapContainer::McapContainer(InputFile file,
                              dive::FindingLog& findings,
                              const base::ProgressCallback& progress)
-    : Container(std::move(file)) {
+    : ChunkedContainer(std::move(file)) {
     learn_summary();
     scan(findings, progress);
 }
@@ -131,7 +118,7 @@ void McapContainer::scan(dive::FindingLog& findings, const base::ProgressCallbac
     const std::int64_t size = file_.size_bytes();
     Block run;  // of records outside of chunks
     const auto end_run = [&] {
-        if (run.size_bytes > 0) add(run, findings);
+        if (run.size() > 0) add(run, findings);
         run = {};
     };
     for (std::int64_t at = std::ssize(kMcapMagic);;) {
@@ -140,34 +127,26 @@ void McapContainer::scan(dive::FindingLog& findings, const base::ProgressCallbac
         const auto num_bytes = record_bytes(head, size - at);
         if (!num_bytes) {
             end_run();
-            if (is_chunk(head)) add({at, size - at}, findings);
+            if (is_chunk(head)) add({0, at, size}, findings);
             return report_cut(at, findings);
         }
         const auto opcode = static_cast<std::uint8_t>(head.front());
         if (opcode == kMessage || opcode == kSchema || opcode == kChannel) {
-            if (run.size_bytes + *num_bytes > kRun_bytes) end_run();
-            if (run.size_bytes == 0) run.offset_bytes = at;
-            run.size_bytes += *num_bytes;
+            if (run.size() + *num_bytes > kRun_bytes) end_run();
+            if (run.size() == 0) run.begin = at;
+            run.end = at + *num_bytes;
         } else {
             end_run();
         }
-        if (opcode == kChunk) add({at, *num_bytes}, findings);
+        if (opcode == kChunk) add({0, at, at + *num_bytes}, findings);
         if (opcode == kFooter) return;
         at += *num_bytes;
     }
 }
 
-// Adds a chunk or a run of records, unless it is damaged.
-void McapContainer::add(const Block& block, dive::FindingLog& findings) {
-    if (block.size_bytes > kMaxBlock_bytes)
-        return report_damage(block.offset_bytes,
-                             "a record states " + std::to_string(block.size_bytes) +
-                                 " bytes, more than are read at once",
-                             findings);
-    OpenedChunk opened = open_block(file_.read(block.offset_bytes, block.size_bytes));
-    if (!opened.problem.empty()) return report_damage(block.offset_bytes, opened.problem, findings);
-    learn(opened.bytes);
-    add_block(block, parsed(std::move(opened.bytes)));
+OpenedBlock McapContainer::open(std::string bytes) const {
+    if (!is_chunk(bytes)) return {std::move(bytes), ""};
+    return open_chunk(bytes, !record_bytes(bytes, std::ssize(bytes)));
 }
 
 void McapContainer::learn(std::string_view records) {
@@ -200,12 +179,7 @@ void McapContainer::learn_channel(std::string_view content) {
     if (topic) channels_.emplace(*number, *topic);
 }
 
-BlockContents McapContainer::read(const Block& block) const {
-    return parsed(open_block(file_.read(block.offset_bytes, block.size_bytes)).bytes);
-}
-
-// Finds the messages in decompressed records, up to where these are cut.
-BlockContents McapContainer::parsed(std::string bytes) const {
+BlockContents McapContainer::parse(std::string bytes) const {
     BlockContents contents;
     ByteCursor records(bytes);
     while (const auto record = take_record(records)) {

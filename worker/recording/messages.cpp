@@ -6,6 +6,8 @@ namespace divemesh::recording {
 namespace {
 
 constexpr std::int64_t kNsPerS = 1'000'000'000;
+// The smallest transform: a time, the lengths of two names, seven numbers.
+constexpr std::size_t kMinTransform_bytes = 8 + 2 * 4 + 7 * 8;
 
 // Takes std_msgs/Header. That of ROS 1 begins with a number in the sequence and has seconds without
 // a sign.
@@ -23,6 +25,11 @@ MessageHeader take_header(Deserializer& fields) {
 }
 
 }  // namespace
+
+MessageHeader parse_header(Serialization serialization, std::string_view bytes) {
+    Deserializer fields(serialization, bytes);
+    return take_header(fields);
+}
 
 RawImage parse_image(Serialization serialization, std::string_view bytes) {
     Deserializer fields(serialization, bytes);
@@ -79,6 +86,19 @@ CameraInfo parse_camera_info(Serialization serialization, std::string_view bytes
     info.rectification = fields.take_array<double, 9>();
     info.projection = fields.take_array<double, 12>();
     return info;
+}
+
+std::vector<TransformMessage> parse_transforms(Serialization serialization,
+                                               std::string_view bytes) {
+    Deserializer fields(serialization, bytes);
+    std::vector<TransformMessage> transforms(fields.take_length(kMinTransform_bytes));
+    for (TransformMessage& transform : transforms) {
+        transform.header = take_header(fields);
+        transform.child_frame = fields.take_text();
+        transform.translation_m = fields.take_array<double, 3>();
+        transform.rotation_xyzw = fields.take_array<double, 4>();
+    }
+    return transforms;
 }
 
 }  // namespace divemesh::recording

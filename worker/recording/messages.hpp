@@ -61,10 +61,21 @@ struct CameraInfo {
     std::array<double, 12> projection{};
 };
 
+// geometry_msgs/TransformStamped of tf2_msgs/TFMessage: where a frame is in that of the header.
+struct TransformMessage {
+    MessageHeader header;
+    std::string_view child_frame;
+    std::array<double, 3> translation_m{};
+    std::array<double, 4> rotation_xyzw{};
+};
+
+// Returns the header that messages of sensors begin with.
+MessageHeader parse_header(Serialization serialization, std::string_view bytes);
 RawImage parse_image(Serialization serialization, std::string_view bytes);
 CompressedImage parse_compressed_image(Serialization serialization, std::string_view bytes);
 ImuMessage parse_imu_message(Serialization serialization, std::string_view bytes);
 PressureMessage parse_fluid_pressure(Serialization serialization, std::string_view bytes);
 CameraInfo parse_camera_info(Serialization serialization, std::string_view bytes);
+std::vector<TransformMessage> parse_transforms(Serialization serialization, std::string_view bytes);
 
 }  // namespace divemesh::recording

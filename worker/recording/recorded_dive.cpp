@@ -26,7 +26,10 @@ std::filesystem::path as_dive(const std::filesystem::path& path,
     try {
         RecordingImport(options, progress).write(progress);
     } catch (const Error& error) {
-        if (error.code() != ErrorCode::BadData && error.code() != ErrorCode::InvalidArgument) throw;
+        const ErrorCode code = error.code();
+        if (code != ErrorCode::BadData && code != ErrorCode::InvalidArgument &&
+            code != ErrorCode::TooLarge)
+            throw;
         throw dive::Refusal("recording_unclear",
                             dive::printable(path.filename().string()),
                             std::string("the recording does not make a dive by itself: ") +

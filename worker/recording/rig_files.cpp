@@ -2,8 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 #include "schemas/error.hpp"
+#include "worker/base/angle.hpp"
+#include "worker/base/rotation_vector.hpp"
+#include "worker/base/text.hpp"
 #include "worker/dive/sensor_yaml_text.hpp"
 #include "worker/recording/input_file.hpp"
 
@@ -12,6 +16,11 @@ namespace {
 
 constexpr std::size_t kMaxCoefficients = 14;  // OpenCV's largest model
 constexpr const char* kComment = "from CameraInfo";
+// The pose is tf_static's, so that of the IMU is the body's own frame.
+constexpr const char* kImuComment = "the pose is from tf_static, the noise is not known";
+// What tf_static may differ from CameraInfo by.
+constexpr double kMaxLengthDifference = 0.01;
+constexpr double kMaxAngle_deg = 1.0;
 constexpr const char* kRemedy = ": state the calibration by --calibration";
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::BadData, what); }
@@ -60,6 +69,58 @@ Eigen::Isometry3d pose_of_right(const CameraInfo& left,
     T_cam0_cam1.linear() = R_cam0_rect * rectification_of(right);
     T_cam0_cam1.translation() = R_cam0_rect * baseline;
     return T_cam0_cam1;
+}
+
+bool has_baseline(const CameraInfo& left, const CameraInfo& right) {
+    return left.projection[0] != 0.0 && right.projection[0] != 0.0 &&
+           shift_m(left) != shift_m(right);
+}
+
+// Returns a pose as people compare it.
+std::string pose_text(const Eigen::Isometry3d& T_cam0_cam1) {
+    const Eigen::Vector3d t = T_cam0_cam1.translation();
+    std::string text = base::significant(t.norm()) + " m away, at (" + base::fixed(t.x(), 4);
+    text += ", " + base::fixed(t.y(), 4);
+    text += ", " + base::fixed(t.z(), 4);
+    text += ") m, turned by ";
+    text += base::fixed(base::angle_rad(T_cam0_cam1.linear()) * base::kDegPerRad, 2);
+    return text + " degrees";
+}
+
+// Returns whether the pose of cam1 by tf_static differs from CameraInfo's, with a warning.
+bool contradicts(const Eigen::Isometry3d& by_frames,
+                 const Eigen::Isometry3d& by_info,
+                 dive::FindingLog& findings) {
+    const Eigen::Vector3d a = by_frames.translation();
+    const Eigen::Vector3d b = by_info.translation();
+    const double direction_rad = std::atan2(a.cross(b).norm(), a.dot(b));
+    const double rotation_rad = base::angle_rad(by_frames.linear().transpose() * by_info.linear());
+    if (std::abs(a.norm() - b.norm()) <= kMaxLengthDifference * b.norm() &&
+        std::max(direction_rad, rotation_rad) * base::kDegPerRad <= kMaxAngle_deg)
+        return false;
+    findings.warning("transform_contradicts_camera_info",
+                     "tf_static",
+                     "the right camera is " + pose_text(by_info) +
+                         " from the left one by CameraInfo, but " + pose_text(by_frames) +
+                         " by tf_static; CameraInfo is used, tf_static is not",
+                     "Correct the robot's description, or state the calibration by "
+                     "--calibration.");
+    return true;
+}
+
+// Returns T_cam0_cam1 of the images: of CameraInfo if it states it, else of the frames.
+Eigen::Isometry3d chosen_pose(const CameraInfo& left,
+                              const CameraInfo& right,
+                              Rectification rectification,
+                              const RigPoses& poses) {
+    if (has_baseline(left, right)) return pose_of_right(left, right, rectification);
+    if (!poses.T_cam0_cam1)
+        fail(std::string("CameraInfo states no baseline in P of the right camera, and tf_static "
+                         "does not relate the cameras") +
+             kRemedy);
+    if (rectification == Rectification::Raw) return *poses.T_cam0_cam1;
+    return Eigen::Isometry3d(rectification_of(left)) * *poses.T_cam0_cam1 *
+           Eigen::Isometry3d(rectification_of(right).transpose());
 }
 
 // Returns the name of a lens model that sensor.yaml knows; a rational model whose further
@@ -124,16 +185,25 @@ RigFiles rig_of_folder(const std::filesystem::path& folder, dive::FindingLog& fi
 RigFiles rig_of_infos(const CameraInfo& left,
                       const CameraInfo& right,
                       Rectification rectification,
+                      RigPoses poses,
                       dive::FindingLog& findings) {
     if (left.camera_matrix[0] == 0.0 || right.camera_matrix[0] == 0.0)
         fail(std::string("CameraInfo says that the cameras are not calibrated") + kRemedy);
-    if (left.projection[0] == 0.0 || right.projection[0] == 0.0 || shift_m(left) == shift_m(right))
-        fail(std::string("CameraInfo states no baseline in P of the right camera") + kRemedy);
+    if (rectification == Rectification::Rectified &&
+        (left.projection[0] == 0.0 || right.projection[0] == 0.0))
+        fail(std::string("CameraInfo states no P of the rectified images") + kRemedy);
+    if (poses.T_cam0_cam1 && has_baseline(left, right) &&
+        contradicts(*poses.T_cam0_cam1, pose_of_right(left, right, Rectification::Raw), findings))
+        poses = {};
+    const Eigen::Isometry3d T_cam0_cam1 = chosen_pose(left, right, rectification, poses);
+    Eigen::Isometry3d T_body_cam0 = poses.T_imu_cam0.value_or(Eigen::Isometry3d::Identity());
+    if (poses.T_imu_cam0 && rectification == Rectification::Rectified)
+        T_body_cam0 = T_body_cam0 * Eigen::Isometry3d(rectification_of(left).transpose());
     RigFiles rig;
-    rig.cam0_yaml = dive::camera_yaml_text(
-        yaml_of(left, Eigen::Isometry3d::Identity(), rectification), {kComment});
-    rig.cam1_yaml = dive::camera_yaml_text(
-        yaml_of(right, pose_of_right(left, right, rectification), rectification), {kComment});
+    rig.cam0_yaml = dive::camera_yaml_text(yaml_of(left, T_body_cam0, rectification), {kComment});
+    rig.cam1_yaml = dive::camera_yaml_text(yaml_of(right, T_body_cam0 * T_cam0_cam1, rectification),
+                                           {kComment});
+    if (poses.T_imu_cam0) rig.imu_yaml = dive::imu_yaml_text({}, {kImuComment});
     check_rig(rig, findings);
     return rig;
 }

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "worker/dive/calibration.hpp"
-#include "worker/recording/messages.hpp"
+#include "worker/recording/rig_messages.hpp"
 
 namespace divemesh::recording {
 
@@ -32,11 +32,14 @@ RigFiles rig_of_folder(const std::filesystem::path& folder, dive::FindingLog& fi
 // Whether images are as the sensor recorded them, or already rectified.
 enum class Rectification { Raw, Rectified };
 
-// Returns the rig that the CameraInfo of both cameras describes, with cam0 as its body. Throws
+// Returns the rig that the CameraInfo of both cameras describes, with the IMU as its body if its
+// pose is known, else cam0. Without a baseline in CameraInfo the pose of cam1 is that of the
+// frames; poses of frames that contradict CameraInfo are left out with a warning. Throws
 // Error{BadData} with the reason if they are not those of a calibrated pair.
 RigFiles rig_of_infos(const CameraInfo& left,
                       const CameraInfo& right,
                       Rectification rectification,
+                      RigPoses poses,
                       dive::FindingLog& findings);
 
 }  // namespace divemesh::recording

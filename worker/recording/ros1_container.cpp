@@ -89,15 +89,37 @@ std::optional<RecordHead> read_head(const InputFile& file, std::int64_t offset_b
     return head;
 }
 
-// The decompressed records of a block, or what is wrong with it.
-struct OpenedBlock {
-    std::string bytes;
-    std::string problem;  // "" if there is none
-};
+}  // namespace
+
+Ros1Container::Ros1Container(InputFile file,
+                             dive::FindingLog& findings,
+                             const base::ProgressCallback& progress)
+    : ChunkedContainer(std::move(file)) {
+    scan(findings, progress);
+}
+
+void Ros1Container::scan(dive::FindingLog& findings, const base::ProgressCallback& progress) {
+    const std::int64_t size = file_.size_bytes();
+    for (std::int64_t at = std::ssize(kRos1Magic); at < size;) {
+        progress({"import", 0.5 * static_cast<double>(at) / static_cast<double>(size)});
+        const auto head = read_head(file_, at);
+        if (!head) return report_cut(at, findings);
+        const std::uint8_t op = number_in<std::uint8_t>(head->header, "op").value_or(0);
+        const std::string_view encryptor = field(head->header, "encryptor").value_or("");
+        if (op == kBagHeader && !encryptor.empty())
+            throw Error(ErrorCode::BadData,
+                        file_.path().string() + " is encrypted: decrypt it with rosbag decrypt");
+        const std::int64_t end = head->data_offset_bytes + head->data_bytes;
+        if (op == kChunk || op == kMessage || op == kConnection)
+            add({0, at, std::min(end, size)}, findings);
+        if (end > size) return report_cut(at, findings);
+        at = end;
+    }
+}
 
 // Opens a chunk from its whole record, which the file may cut: then the records before the cut
 // are given. Other records are given as they are.
-OpenedBlock open_block(std::string bytes) {
+OpenedBlock Ros1Container::open(std::string bytes) const {
     ByteCursor cursor(bytes);
     const auto header = cursor.take_sized<std::uint32_t>();
     const auto data_bytes = cursor.take<std::uint32_t>();
@@ -117,47 +139,6 @@ OpenedBlock open_block(std::string bytes) {
     return {std::move(unpacked.bytes), ""};
 }
 
-}  // namespace
-
-Ros1Container::Ros1Container(InputFile file,
-                             dive::FindingLog& findings,
-                             const base::ProgressCallback& progress)
-    : Container(std::move(file)) {
-    scan(findings, progress);
-}
-
-void Ros1Container::scan(dive::FindingLog& findings, const base::ProgressCallback& progress) {
-    const std::int64_t size = file_.size_bytes();
-    for (std::int64_t at = std::ssize(kRos1Magic); at < size;) {
-        progress({"import", 0.5 * static_cast<double>(at) / static_cast<double>(size)});
-        const auto head = read_head(file_, at);
-        if (!head) return report_cut(at, findings);
-        const std::uint8_t op = number_in<std::uint8_t>(head->header, "op").value_or(0);
-        const std::string_view encryptor = field(head->header, "encryptor").value_or("");
-        if (op == kBagHeader && !encryptor.empty())
-            throw Error(ErrorCode::BadData,
-                        file_.path().string() + " is encrypted: decrypt it with rosbag decrypt");
-        const std::int64_t end = head->data_offset_bytes + head->data_bytes;
-        if (op == kChunk || op == kMessage || op == kConnection)
-            add({at, std::min(end, size) - at}, findings);
-        if (end > size) return report_cut(at, findings);
-        at = end;
-    }
-}
-
-// Adds a chunk, or a record outside of chunks, unless it is damaged.
-void Ros1Container::add(const Block& block, dive::FindingLog& findings) {
-    if (block.size_bytes > kMaxBlock_bytes)
-        return report_damage(block.offset_bytes,
-                             "a record states " + std::to_string(block.size_bytes) +
-                                 " bytes, more than are read at once",
-                             findings);
-    OpenedBlock opened = open_block(file_.read(block.offset_bytes, block.size_bytes));
-    if (!opened.problem.empty()) return report_damage(block.offset_bytes, opened.problem, findings);
-    learn(opened.bytes);
-    add_block(block, parsed(std::move(opened.bytes)));
-}
-
 void Ros1Container::learn(std::string_view records) {
     ByteCursor cursor(records);
     while (const auto record = take_bag_record(cursor))
@@ -174,12 +155,7 @@ void Ros1Container::learn_connection(std::string_view header, std::string_view d
     if (topic) connections_.emplace(*number, *topic);
 }
 
-BlockContents Ros1Container::read(const Block& block) const {
-    return parsed(open_block(file_.read(block.offset_bytes, block.size_bytes)).bytes);
-}
-
-// Finds the messages in decompressed records, up to where these are cut.
-BlockContents Ros1Container::parsed(std::string bytes) const {
+BlockContents Ros1Container::parse(std::string bytes) const {
     BlockContents contents;
     ByteCursor cursor(bytes);
     while (const auto record = take_bag_record(cursor)) {

@@ -13,6 +13,11 @@ namespace {
 
 constexpr std::size_t kFirstStep_bytes = std::size_t{1} << 20U;
 
+// The limits of archives of dives.
+constexpr std::int64_t kMaxUnpacked_bytes = std::int64_t{512} << 30U;
+constexpr std::int64_t kMaxUnpackedRatio = 100;
+constexpr std::int64_t kRatioCheckedFrom_bytes = std::int64_t{64} << 20U;
+
 // Takes decompressed bytes. Its buffer doubles, up to one byte more than was stated: that byte
 // shows data that are longer than they say.
 class UnpackBuffer {
@@ -114,6 +119,18 @@ Unpacked unpack(Codec codec, std::string_view packed, std::size_t stated_bytes) 
     if (codec == Codec::Zstd) unpack_zstd(packed, buffer);
     if (codec == Codec::Bzip2) unpack_bzip2(packed, buffer);
     return std::move(buffer).result();
+}
+
+std::optional<std::uint64_t> stated_zstd_bytes(std::string_view packed) {
+    const unsigned long long size = ZSTD_getFrameContentSize(packed.data(), packed.size());
+    if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR) return std::nullopt;
+    return size;
+}
+
+bool is_bomb(std::int64_t unpacked_bytes, std::int64_t packed_bytes) {
+    if (unpacked_bytes > kMaxUnpacked_bytes) return true;
+    return unpacked_bytes > kRatioCheckedFrom_bytes &&
+           unpacked_bytes / kMaxUnpackedRatio > packed_bytes;
 }
 
 }  // namespace divemesh::recording

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -22,5 +23,15 @@ struct Unpacked {
 // Decompresses bytes up to the size that the recording states. Memory grows with what comes out, so
 // a false size costs none.
 Unpacked unpack(Codec codec, std::string_view packed, std::size_t stated_bytes);
+
+// The first bytes of a frame of Zstandard.
+inline constexpr std::string_view kZstdMagic = "\x28\xb5\x2f\xfd";
+
+// Returns the size that the head of a frame of Zstandard states; nullopt if it states none.
+std::optional<std::uint64_t> stated_zstd_bytes(std::string_view packed);
+
+// Returns whether a recording unpacks to more than archives of dives may: 512 GiB, or 100 times its
+// size where that is more than 64 MiB.
+bool is_bomb(std::int64_t unpacked_bytes, std::int64_t packed_bytes);
 
 }  // namespace divemesh::recording

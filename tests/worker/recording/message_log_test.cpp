@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <fstream>
-
 #include "schemas/error.hpp"
-#include "tests/temporary_folder.hpp"
 #include "tests/worker/recording/bag_writer.hpp"
+#include "tests/worker/recording/memory_file.hpp"
+#include "worker/recording/unpack.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -19,10 +18,9 @@ struct ReadBack {
 class MessageLogTest : public testing::Test {
 protected:
     ReadBack read(const std::string& bytes) {
-        const auto file = folder_ / "recording";
-        std::ofstream(file, std::ios::binary) << bytes;
+        const MemoryFile file(bytes);
         dive::FindingLog findings;
-        MessageLog log(file, findings);
+        MessageLog log(file.path(), findings);
         ReadBack result;
         while (const auto message = log.next()) {
             std::string line = log.topics()[message->topic].name;
@@ -70,8 +68,6 @@ protected:
             if (finding.code == code) return true;
         return false;
     }
-
-    TemporaryFolder folder_;
 };
 
 TEST_F(MessageLogTest, MessagesOfABagComeInTheOrderOfTimeWhateverItsCompression) {
@@ -93,10 +89,9 @@ TEST_F(MessageLogTest, MessagesOfMcapComeInTheOrderOfTimeWhateverItsCompression)
 }
 
 TEST_F(MessageLogTest, TypesOfRos2AreNamedAsThoseOfRos1) {
-    const auto file = folder_ / "recording";
-    std::ofstream(file, std::ios::binary) << mcap("lz4");
+    const MemoryFile file(mcap("lz4"));
     dive::FindingLog findings;
-    const MessageLog log(file, findings);
+    const MessageLog log(file.path(), findings);
     ASSERT_EQ(log.topics().size(), 2U);
     EXPECT_EQ(log.topics()[0].type, "sensor_msgs/Imu");
     EXPECT_EQ(log.topics()[0].serialization, Serialization::Cdr);
@@ -183,6 +178,41 @@ TEST_F(MessageLogTest, AChunkThatClaimsATerabyteIsLeftOutAlone) {
     EXPECT_TRUE(has_code(read(bag.finished()), "recording_damaged"));
 }
 
+// Each chunk is far below the limit of a block; together they are 80 MiB of some kilobytes.
+TEST_F(MessageLogTest, ManyChunksThatUnpackToTooMuchAreRefusedAsABomb) {
+    const std::string zeros(std::size_t{4} << 20U, '\0');
+    BagWriter bag("bz2");
+    McapBytes mcap("zstd");
+    bag.add_connection(1, "/imu", "sensor_msgs/Imu");
+    mcap.add_channel(1, "/imu", "sensor_msgs/msg/Imu", "cdr");
+    for (int i = 0; i < 20; ++i) {
+        bag.add_message(1, i, zeros);
+        bag.end_chunk();
+        mcap.add_message(1, i, zeros);
+        mcap.end_chunk();
+    }
+    for (const std::string& bytes : {bag.finished(), mcap.finished()}) {
+        EXPECT_LT(bytes.size(), 100'000U);
+        try {
+            read(bytes);
+            ADD_FAILURE() << "it was not refused";
+        } catch (const Error& error) {
+            EXPECT_EQ(error.code(), ErrorCode::TooLarge);
+            EXPECT_NE(std::string(error.what()).find("bomb"), std::string::npos);
+        }
+    }
+}
+
+TEST(UnpackTest, ABombIsToldBySizeAndRatio) {
+    constexpr std::int64_t kMiB = 1 << 20;
+    EXPECT_FALSE(is_bomb(64 * kMiB, 100));  // small, whatever the ratio
+    EXPECT_TRUE(is_bomb(65 * kMiB, 100));
+    EXPECT_FALSE(is_bomb(1000 * kMiB, 10 * kMiB));
+    EXPECT_TRUE(is_bomb(1000 * kMiB + 100, 10 * kMiB));
+    EXPECT_FALSE(is_bomb(512 * 1024 * kMiB, 500 * 1024 * kMiB));
+    EXPECT_TRUE(is_bomb(512 * 1024 * kMiB + 1, 500 * 1024 * kMiB));
+}
+
 TEST_F(MessageLogTest, ALengthOf2To63EndsTheRecordingThere) {
     McapBytes writer("outside");
     writer.add_channel(1, "/imu", "sensor_msgs/msg/Imu", "cdr");
@@ -200,7 +230,7 @@ TEST_F(MessageLogTest, ALengthOf2To63EndsTheRecordingThere) {
 TEST_F(MessageLogTest, OtherFilesAreRefusedWithWhatToDo) {
     for (const auto& [bytes, advice] : std::vector<std::pair<std::string, std::string>>{
              {"", "neither"},
-             {"SQLite format 3 and more", "ros2 bag convert"},
+             {"SQLite format 3 and more", "neither"},
              {"#ROSBAG V1.2\nand more", "rosbag migrate"},
              {"PK\x03\x04 a zip archive", "neither"}})
         try {

@@ -64,9 +64,10 @@ inline std::string image_message(Wire wire,
                                  const std::string& encoding,
                                  std::uint32_t width_px,
                                  std::uint32_t height_px,
-                                 std::string_view pixels) {
+                                 std::string_view pixels,
+                                 const std::string& frame = "cam") {
     MessageWriter message(wire);
-    message.put_header(timestamp_ns, "cam").put(height_px).put(width_px).put_text(encoding);
+    message.put_header(timestamp_ns, frame).put(height_px).put(width_px).put_text(encoding);
     message.put(std::uint8_t{0}).put(static_cast<std::uint32_t>(pixels.size() / height_px));
     return message.put_bytes(pixels).bytes();
 }
@@ -82,9 +83,10 @@ inline std::string compressed_image_message(Wire wire,
 inline std::string imu_message(Wire wire,
                                std::int64_t timestamp_ns,
                                const std::vector<double>& rates,
-                               const std::vector<double>& accelerations) {
+                               const std::vector<double>& accelerations,
+                               const std::string& frame = "imu") {
     MessageWriter message(wire);
-    message.put_header(timestamp_ns, "imu");
+    message.put_header(timestamp_ns, frame);
     message.put_all({0, 0, 0, 1}).put_all(std::vector<double>(9, 0.5));
     message.put_all(rates).put_all(std::vector<double>(9, 0.25)).put_all(accelerations);
     return message.put_all(std::vector<double>(9, 0.125)).bytes();
@@ -102,6 +104,25 @@ inline std::string camera_info_message(Wire wire,
     for (const auto& matrix : matrices) message.put_all(matrix);
     for (int i = 0; i < 6; ++i) message.put(std::uint32_t{0});  // binning, region
     return message.put(std::uint8_t{0}).bytes();
+}
+
+// Where a frame is in its parent.
+struct TestTransform {
+    std::string parent;
+    std::string child;
+    std::vector<double> translation_m;
+    std::vector<double> rotation_xyzw;
+};
+
+// Writes tf2_msgs/TFMessage, as tf2_msgs/msg/TFMessage.msg describes it.
+inline std::string transforms_message(Wire wire, const std::vector<TestTransform>& transforms) {
+    MessageWriter message(wire);
+    message.put(static_cast<std::uint32_t>(transforms.size()));
+    for (const TestTransform& transform : transforms) {
+        message.put_header(0, transform.parent).put_text(transform.child);
+        message.put_all(transform.translation_m).put_all(transform.rotation_xyzw);
+    }
+    return message.bytes();
 }
 
 }  // namespace divemesh::recording
