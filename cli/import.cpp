@@ -1,5 +1,8 @@
+#include <array>
+#include <cstdio>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
@@ -12,9 +15,37 @@
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "worker/recording/import_recording.hpp"
+#include "worker/recording/read_rig.hpp"
 
 namespace divemesh::cli {
 namespace {
+
+struct ImportArguments {
+    std::vector<std::filesystem::path> recordings;
+    recording::ImportOptions options;  // of recordings of all kinds
+    std::shared_ptr<recording::StillsOptions> stills;
+    std::string unit;
+    std::optional<std::array<double, 2>> size_px;  // of the images, which the recording tells too
+    std::string size;
+};
+
+constexpr std::array<std::pair<const char*, double>, 3> kUnits_m = {
+    {{"m", 1.0}, {"cm", 1e-2}, {"mm", 1e-3}}};
+
+// Reads the options that are words. Throws CLI::ValidationError.
+void read_words(ImportArguments& arguments) {
+    if (arguments.recordings.empty() && arguments.options.calibration.empty())
+        throw CLI::RequiredError("recording, or --calibration alone,");
+    for (const auto& [unit, metres] : kUnits_m)
+        if (arguments.unit == unit) arguments.options.metres_per_unit = metres;
+    int width = 0;
+    int height = 0;
+    char rest = 0;
+    if (arguments.size.empty()) return;
+    if (std::sscanf(arguments.size.c_str(), "%6dx%6d%c", &width, &height, &rest) != 2)
+        throw CLI::ValidationError("--image-size", "is not like 1920x1080");
+    arguments.size_px = {static_cast<double>(width), static_cast<double>(height)};
+}
 
 // Returns the table of what a recording holds and what it is used for.
 std::string topics_text(const recording::RecordingImport& recorded) {
@@ -41,7 +72,28 @@ nlohmann::json topics_json(const recording::RecordingImport& recorded) {
     return list;
 }
 
-int run(const recording::ImportOptions& options, const Context& context) {
+// Makes sensor.yaml files of a calibration alone.
+int write_calibration(const ImportArguments& arguments, const Context& context) {
+    dive::FindingLog findings;
+    recording::RigHints hints;
+    if (arguments.size_px) hints.resolution = {(*arguments.size_px)[0], (*arguments.size_px)[1]};
+    hints.metres_per_unit = arguments.options.metres_per_unit;
+    const auto rig = recording::read_rig(arguments.options.calibration, findings, hints);
+    recording::write_rig(rig, arguments.options.out);
+    if (context.json) {
+        std::cout << nlohmann::json{{"findings", findings.all()}}.dump(2) << '\n';
+        return kExitDone;
+    }
+    for (const Finding& finding : findings.all()) std::cout << finding_text(finding);
+    const auto T_cam0_cam1 = rig.cam0.T_body_cam.inverse() * rig.cam1.T_body_cam;
+    std::cout << arguments.options.out.string() << ": sensor.yaml of cam0, cam1"
+              << (rig.imu_yaml ? ", imu0" : "") << "; baseline " << T_cam0_cam1.translation().norm()
+              << " m, focal length " << rig.cam0.camera.fx_px << " px at "
+              << rig.cam0.camera.width_px << " x " << rig.cam0.camera.height_px << " px\n";
+    return kExitDone;
+}
+
+int import_messages(const recording::ImportOptions& options, const Context& context) {
     catch_interrupts();
     ProgressBar bar;
     const auto progress = [&](const Progress& state) {
@@ -69,34 +121,43 @@ int run(const recording::ImportOptions& options, const Context& context) {
     return kExitDone;
 }
 
+int run(const ImportArguments& arguments, const Context& context) {
+    if (arguments.recordings.empty()) return write_calibration(arguments, context);
+    recording::ImportOptions options = arguments.options;
+    options.recording = arguments.recordings.front();
+    if (recording::is_image_folder(options.recording))
+        return import_stills(arguments.recordings, options, *arguments.stills, context);
+    if (arguments.recordings.size() > 1)
+        throw Error(ErrorCode::InvalidArgument,
+                    options.recording.string() +
+                        " is not a folder: two recordings have to be the folders of the left and "
+                        "of the right camera");
+    return import_messages(options, context);
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand(
-        "import", "turn a ROS bag, an MCAP recording or folders of images into a dive");
-    auto recordings = std::make_shared<std::vector<std::filesystem::path>>();
-    auto options = std::make_shared<recording::ImportOptions>();
+        "import",
+        "turn a ROS bag, an MCAP recording or folders of images into a dive, or a calibration into "
+        "sensor.yaml files");
+    auto arguments = std::make_shared<ImportArguments>();
+    recording::ImportOptions& options = arguments->options;
     // clang-format off
-    command->add_option("recording", *recordings, "ROS 1 bag (.bag), MCAP (.mcap), ROS 2 bag (.db3) or its folder; a folder of images, or two: left and right")->required()->expected(1, 2);
-    command->add_option("--out", options->out, "folder of the dive, which must not exist")->required();
-    command->add_option("--left", options->topics.left, "topic or folder of the left camera; default: by its name");
-    command->add_option("--right", options->topics.right, "topic or folder of the right camera");
-    command->add_option("--imu", options->topics.imu, "topic of the IMU, or none; default: the only one");
-    command->add_option("--calibration", options->calibration, "folder of a dive whose sensor.yaml files are used (cam0, cam1, imu0); default: that of the recording");
+    command->add_option("recording", arguments->recordings, "ROS 1 bag (.bag), MCAP (.mcap), ROS 2 bag (.db3) or its folder; a folder of images, or two: left and right; none: --calibration alone writes sensor.yaml files into --out")->expected(0, 2);
+    command->add_option("--out", options.out, "folder of the dive, which must not exist; without a recording it may")->required();
+    command->add_option("--left", options.topics.left, "topic or folder of the left camera; default: by its name");
+    command->add_option("--right", options.topics.right, "topic or folder of the right camera");
+    command->add_option("--imu", options.topics.imu, "topic of the IMU, or none; default: the only one");
+    command->add_option("--calibration", options.calibration, "folder of a dive whose sensor.yaml files are used (cam0, cam1, imu0), or files of Kalibr, OpenCV, ROS, KWIVER or COLMAP; after the recording; default: that of the recording");
+    command->add_option("--calibration-unit", arguments->unit, "unit of T in files of OpenCV and KWIVER; default: m or mm by its size")->check(CLI::IsMember({"m", "cm", "mm"}));
+    command->add_option("--image-size", arguments->size, "size of the images, such as 1920x1080, where neither a recording nor the calibration states it");
     // clang-format on
-    const auto stills = add_stills_options(*command);
-    command->callback([recordings, options, stills, &context] {
-        context.command = [recordings, options, stills, &context] {
-            if (recording::is_image_folder(recordings->front()))
-                return import_stills(*recordings, *options, *stills, context);
-            if (recordings->size() > 1)
-                throw Error(ErrorCode::InvalidArgument,
-                            recordings->front().string() +
-                                " is not a folder: two recordings have to be the folders of the "
-                                "left and of the right camera");
-            options->recording = recordings->front();
-            return run(*options, context);
-        };
+    arguments->stills = add_stills_options(*command);
+    command->callback([arguments, &context] {
+        read_words(*arguments);
+        context.command = [arguments, &context] { return run(*arguments, context); };
     });
 }
 

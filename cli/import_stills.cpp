@@ -63,6 +63,7 @@ int import_stills(const std::vector<std::filesystem::path>& folders,
     options.folders = folders;
     options.out = common.out;
     options.calibration = common.calibration;
+    options.metres_per_unit = common.metres_per_unit;
     options.cameras = {common.topics.left, common.topics.right};
     options.imu = common.topics.imu;
     recording::StillsImport imported(options, progress);

@@ -1,6 +1,7 @@
 #include "worker/dive/dive_contents.hpp"
 
 #include <algorithm>
+#include <array>
 
 #include "worker/base/text.hpp"
 #include "worker/dive/calibration.hpp"
@@ -171,13 +172,20 @@ std::optional<SensorYaml> ContentsReader::read_yaml(const std::string& file) {
     return text ? parse_sensor_yaml(*text, file, findings_) : std::nullopt;
 }
 
+bool can_be_calibration(const std::string& name) {
+    constexpr std::array<const char*, 5> kEndings = {".yaml", ".yml", ".json", ".xml", ".txt"};
+    return std::any_of(kEndings.begin(), kEndings.end(), [&](const char* ending) {
+        return name.ends_with(ending);
+    });
+}
+
 // Says how to turn a calibration of another tool that lies beside the recording into sensor.yaml.
 void ContentsReader::report_no_calibration(const std::string& file) {
     std::string found;
     std::string remedy = "Calibrate the rig and put the calibration of both cameras there.";
     for (const char* folder : {"", "mav0/"})
         for (const std::string& name : files_.names_in(folder)) {
-            if (!found.empty() || !(name.ends_with(".yaml") || name.ends_with(".yml"))) continue;
+            if (!found.empty() || !can_be_calibration(name)) continue;
             const auto text = files_.read(folder + name, kMaxYamlBytes);
             const auto foreign = text ? foreign_calibration(*text) : std::nullopt;
             if (!foreign) continue;

@@ -1,144 +1,16 @@
 #include "worker/dive/sensor_yaml.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
-#include <set>
-#include <sstream>
-#include <vector>
-#include <yaml-cpp/eventhandler.h>
-#include <yaml-cpp/yaml.h>
 
 #include "worker/dive/calibration_format.hpp"
 #include "worker/dive/entry_name.hpp"
+#include "worker/dive/yaml_document.hpp"
 
 namespace divemesh::dive {
 namespace {
 
-constexpr std::size_t kMaxDepth = 8;
 constexpr int kMaxNodes = 10000;
-
-// Walks through a document without building it, and stops at constructs that hostile documents use.
-class Guard : public YAML::EventHandler {
-public:
-    void OnDocumentStart(const YAML::Mark&) override {}
-    void OnDocumentEnd() override {}
-    void OnNull(const YAML::Mark& mark, YAML::anchor_t anchor) override { node(mark, anchor); }
-    void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
-        throw YAML::ParserException(mark, "aliases are not allowed here");
-    }
-    void OnScalar(const YAML::Mark& mark,
-                  const std::string&,
-                  YAML::anchor_t anchor,
-                  const std::string& value) override {
-        const bool is_key = !levels_.empty() && levels_.back().at_key;
-        if (is_key && !levels_.back().keys.insert(value).second)
-            throw YAML::ParserException(mark, "\"" + value + "\" is stated twice");
-        node(mark, anchor);
-    }
-    void OnSequenceStart(const YAML::Mark& mark,
-                         const std::string&,
-                         YAML::anchor_t anchor,
-                         YAML::EmitterStyle::value) override {
-        open(mark, anchor, false);
-    }
-    void OnSequenceEnd() override { levels_.pop_back(); }
-    void OnMapStart(const YAML::Mark& mark,
-                    const std::string&,
-                    YAML::anchor_t anchor,
-                    YAML::EmitterStyle::value) override {
-        open(mark, anchor, true);
-    }
-    void OnMapEnd() override { levels_.pop_back(); }
-
-private:
-    void node(const YAML::Mark& mark, YAML::anchor_t anchor) {
-        if (anchor != 0) throw YAML::ParserException(mark, "anchors are not allowed here");
-        if (++num_nodes_ > kMaxNodes) throw YAML::ParserException(mark, "too many values");
-        if (!levels_.empty() && levels_.back().is_map)
-            levels_.back().at_key = !levels_.back().at_key;
-    }
-    void open(const YAML::Mark& mark, YAML::anchor_t anchor, bool is_map) {
-        node(mark, anchor);
-        if (levels_.size() >= kMaxDepth) throw YAML::ParserException(mark, "nested too deep");
-        levels_.push_back({is_map, is_map, {}});
-    }
-
-    struct Level {
-        bool is_map;
-        bool at_key;  // the next node in a map is a key
-        std::set<std::string> keys;
-    };
-    std::vector<Level> levels_;
-    int num_nodes_ = 0;
-};
-
-// Removes the %YAML line, as OpenCV's files have one that is not valid YAML; EuRoC's have none.
-std::string without_directive(std::string_view text) {
-    if (!text.starts_with("%YAML")) return std::string(text);
-    std::string result(text);
-    for (char& c : result) {
-        if (c == '\n') break;
-        c = ' ';
-    }
-    return result;
-}
-
-YAML::Node load_guarded(const std::string& text) {
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    Guard guard;
-    if (!parser.HandleNextDocument(guard)) return {};
-    return YAML::Load(text);
-}
-
-double number(const YAML::Node& node) {
-    const auto value = node.as<double>();
-    if (!std::isfinite(value)) throw YAML::ParserException(node.Mark(), "not a finite number");
-    return value;
-}
-
-// Appends a list of numbers, or of nested lists, as one list.
-void append_numbers(const YAML::Node& node, std::vector<double>& numbers) {
-    if (!node.IsSequence()) {
-        numbers.push_back(number(node));
-        return;
-    }
-    for (const auto& item : node) append_numbers(item, numbers);
-}
-
-std::vector<double> numbers_at(const YAML::Node& root, const char* key) {
-    std::vector<double> numbers;
-    const YAML::Node node = root[key];
-    if (node && !node.IsNull()) append_numbers(node, numbers);
-    return numbers;
-}
-
-std::optional<double> number_at(const YAML::Node& root, const char* key) {
-    const YAML::Node node = root[key];
-    if (!node || node.IsNull()) return std::nullopt;
-    return number(node);
-}
-
-std::string text_at(const YAML::Node& root, const char* key) {
-    const YAML::Node node = root[key];
-    return node && node.IsScalar() ? node.Scalar() : "";
-}
-
-// Returns a transform of four rows, the last of which may be left out.
-std::optional<Eigen::Matrix4d> matrix_at(const YAML::Node& root, const char* key) {
-    const YAML::Node node = root[key];
-    if (!node || node.IsNull()) return std::nullopt;
-    std::vector<double> numbers;
-    if (node.IsMap() && !node["data"]) throw YAML::ParserException(node.Mark(), "it has no data");
-    append_numbers(node.IsMap() ? node["data"] : node, numbers);
-    if (numbers.size() == 12) numbers.insert(numbers.end(), {0.0, 0.0, 0.0, 1.0});
-    if (numbers.size() != 16)
-        throw YAML::ParserException(
-            node.Mark(),
-            std::string(key) + " has " + std::to_string(numbers.size()) + " numbers, not 16");
-    return Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>>(numbers.data());
-}
 
 SensorYaml convert(const YAML::Node& root) {
     if (!root.IsMap()) throw YAML::ParserException(root.Mark(), "the file has no keys");
@@ -180,7 +52,7 @@ std::optional<SensorYaml> parse_sensor_yaml(std::string_view text,
         return std::nullopt;
     }
     try {
-        return convert(load_guarded(without_directive(text)));
+        return convert(load_yaml(text, kMaxNodes));
     } catch (const YAML::Exception& error) {
         if (const auto line = line_indented_by_tab(text)) {
             findings.error("calibration_unreadable",

@@ -5,6 +5,7 @@
 
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
+#include "worker/dive/image.hpp"
 #include "worker/recording/bag_folder.hpp"
 #include "worker/recording/dive_writer.hpp"
 #include "worker/recording/message_sorter.hpp"
@@ -34,6 +35,29 @@ Provenance provenance_of(const std::filesystem::path& recording,
     for (Finding& finding : provenance.findings)
         if (finding.where.starts_with(name)) finding.where.replace(0, name.size(), "recording");
     return provenance;
+}
+
+std::vector<double> size_of(const LoggedMessage& message, const Topic& topic) {
+    if (topic.type.ends_with("CompressedImage")) {
+        const auto image = parse_compressed_image(topic.serialization, message.bytes);
+        const auto header = dive::read_image_header(image.file);
+        return {static_cast<double>(header.width_px), static_cast<double>(header.height_px)};
+    }
+    const auto image = parse_image(topic.serialization, message.bytes);
+    return {static_cast<double>(image.width_px), static_cast<double>(image.height_px)};
+}
+
+// Returns width and height of the first image of a topic that can be read; {} if there is none.
+std::vector<double> size_of_images(MessageLog& log,
+                                   const std::vector<Topic>& topics,
+                                   std::size_t topic) {
+    log.rewind();
+    while (const auto message = log.next()) try {
+            if (message->topic == topic) return size_of(*message, topics[topic]);
+        } catch (const Error&) {
+            continue;  // it is reported where images are written
+        }
+    return {};
 }
 
 }  // namespace
@@ -79,19 +103,30 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
 }
 
 RigFiles RecordingImport::find_rig() {
-    if (!options_.calibration.empty()) return rig_of_folder(options_.calibration, findings_);
+    if (!options_.calibration.empty()) return read_rig(options_.calibration, findings_, hints());
     const RigMessages rig_messages = read_rig_messages(log_, chosen_, findings_);
     if (!rig_messages.left_info || !rig_messages.right_info)
         throw Error(ErrorCode::BadData,
                     "the recording has no CameraInfo beside the images of " +
                         topics()[rig_messages.left_info ? *chosen_.right : *chosen_.left].name +
                         ": state the calibration by --calibration");
-    const bool is_rect = is_rectified(topics()[*chosen_.left]);
     return rig_of_infos(*rig_messages.left_info,
                         *rig_messages.right_info,
-                        is_rect ? Rectification::Rectified : Rectification::Raw,
+                        rectification(),
                         poses_of_frames(rig_messages, findings_),
                         findings_);
+}
+
+Rectification RecordingImport::rectification() const {
+    return is_rectified(topics()[*chosen_.left]) ? Rectification::Rectified : Rectification::Raw;
+}
+
+RigHints RecordingImport::hints() {
+    return {rectification(),
+            size_of_images(log_, topics(), *chosen_.left),
+            topics()[*chosen_.left].name,
+            topics()[*chosen_.right].name,
+            options_.metres_per_unit};
 }
 
 }  // namespace divemesh::recording

@@ -10,7 +10,7 @@
 #include "worker/dive/finding_log.hpp"
 #include "worker/recording/choose_topics.hpp"
 #include "worker/recording/message_log.hpp"
-#include "worker/recording/rig_files.hpp"
+#include "worker/recording/read_rig.hpp"
 
 namespace divemesh::recording {
 
@@ -19,8 +19,9 @@ enum class Naming { AfterFile, Unnamed };
 
 struct ImportOptions {
     std::filesystem::path recording;
-    std::filesystem::path out;          // folder of the dive, which must not exist
-    std::filesystem::path calibration;  // a dive whose sensor.yaml files are used; "": CameraInfo
+    std::filesystem::path out;                       // folder of the dive, which must not exist
+    std::vector<std::filesystem::path> calibration;  // as read_rig() reads it; {}: CameraInfo
+    std::optional<double> metres_per_unit;           // of its translations, where that is open
     NamedTopics topics;
     Naming naming = Naming::AfterFile;
     base::Durability durability = base::Durability::Synced;
@@ -51,6 +52,8 @@ public:
 
 private:
     RigFiles find_rig();
+    Rectification rectification() const;
+    RigHints hints();
 
     ImportOptions options_;
     dive::FindingLog findings_;

@@ -144,8 +144,13 @@ ImportCounts StillsImport::write(const base::ProgressCallback& progress) {
 }
 
 RigFiles StillsImport::find_rig() {
-    if (!options_.calibration.empty()) return rig_of_folder(options_.calibration, findings_);
-    return rig_of_layout(options_.folders.front(), folders_, sides_, image_size(), findings_);
+    const ImageSize size = image_size();
+    if (options_.calibration.empty())
+        return rig_of_layout(options_.folders.front(), folders_, sides_, size, findings_);
+    RigHints hints;
+    hints.resolution = {static_cast<double>(size.width_px), static_cast<double>(size.height_px)};
+    hints.metres_per_unit = options_.metres_per_unit;
+    return read_rig(options_.calibration, findings_, hints);
 }
 
 // Returns the size of the first left image that is not damaged.

@@ -3,52 +3,27 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <iomanip>
-#include <sstream>
 
 #include "schemas/error.hpp"
 #include "worker/base/angle.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/text.hpp"
-#include "worker/dive/sensor_yaml.hpp"
+#include "worker/dive/sensor_yaml_text.hpp"
 #include "worker/recording/input_file.hpp"
 
 namespace divemesh::recording {
 namespace {
 
-constexpr int kDigits = 15;
 constexpr std::size_t kMaxCoefficients = 14;  // OpenCV's largest model
+constexpr const char* kComment = "from CameraInfo";
+// The pose is tf_static's, so that of the IMU is the body's own frame.
+constexpr const char* kImuComment = "the pose is from tf_static, the noise is not known";
 // What tf_static may differ from CameraInfo by.
 constexpr double kMaxLengthDifference = 0.01;
 constexpr double kMaxAngle_deg = 1.0;
-// The pose is tf_static's, so what is here is the body's own frame.
-constexpr const char* kImuYaml =
-    "sensor_type: imu\ncomment: the pose is from tf_static, the noise is not known\n"
-    "T_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n";
 constexpr const char* kRemedy = ": state the calibration by --calibration";
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::BadData, what); }
-
-std::string list_text(const std::vector<double>& values) {
-    std::ostringstream out;
-    out << std::setprecision(kDigits) << '[';
-    for (std::size_t i = 0; i < values.size(); ++i) out << (i == 0 ? "" : ", ") << values[i];
-    out << ']';
-    return out.str();
-}
-
-std::string camera_yaml(const dive::SensorYaml& yaml) {
-    const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> T = *yaml.T_body_sensor;
-    std::string text =
-        "sensor_type: camera\ncomment: from CameraInfo\nT_BS:\n  cols: 4\n  rows: 4\n";
-    text += "  data: " + list_text({T.data(), T.data() + T.size()});
-    text += "\nresolution: " + list_text(yaml.resolution);
-    text += "\ncamera_model: " + yaml.camera_model;
-    text += "\nintrinsics: " + list_text(yaml.intrinsics);
-    text += "\ndistortion_model: " + yaml.distortion_model;
-    text += "\ndistortion_coefficients: " + list_text(yaml.distortion_coefficients) + "\n";
-    return text;
-}
 
 // Throws the first error of `findings`, if there is one, and passes the rest on.
 void pass_on(const dive::FindingLog& findings, dive::FindingLog& all) {
@@ -67,14 +42,6 @@ dive::CalibratedCamera checked_camera(const std::string& text,
     const auto camera = yaml ? dive::calibrated_camera(*yaml, file, findings) : std::nullopt;
     pass_on(findings, all);
     return camera.value();  // without an error there is one
-}
-
-void check(RigFiles& rig, dive::FindingLog& all) {
-    rig.cam0 = checked_camera(rig.cam0_yaml, "mav0/cam0/sensor.yaml", all);
-    rig.cam1 = checked_camera(rig.cam1_yaml, "mav0/cam1/sensor.yaml", all);
-    dive::FindingLog findings;
-    dive::check_stereo(rig.cam0, rig.cam1, findings);
-    pass_on(findings, all);
 }
 
 std::string text_of(const std::filesystem::path& file) {
@@ -161,10 +128,7 @@ Eigen::Isometry3d chosen_pose(const CameraInfo& left,
 std::string distortion_of(const CameraInfo& info) {
     const auto& k = info.distortion_coefficients;
     const std::string& model = info.distortion_model;
-    const bool is_name = std::all_of(model.begin(), model.end(), [](char letter) {
-        return (letter >= 'a' && letter <= 'z') || letter == '_' || letter == '-';
-    });
-    if (!is_name || model.size() > kMaxName_bytes || k.size() > kMaxCoefficients)
+    if (!is_model_name(model) || k.size() > kMaxCoefficients)
         fail(std::string("the lens model of CameraInfo is not one of ROS") + kRemedy);
     if (std::all_of(k.begin(), k.end(), [](double value) { return value == 0.0; })) return "none";
     return model == "rational_polynomial" ? "plumb_bob" : model;
@@ -193,6 +157,20 @@ dive::SensorYaml yaml_of(const CameraInfo& info,
 
 }  // namespace
 
+bool is_model_name(const std::string& name) {
+    return name.size() <= kMaxName_bytes && std::all_of(name.begin(), name.end(), [](char letter) {
+               return (letter >= 'a' && letter <= 'z') || letter == '_' || letter == '-';
+           });
+}
+
+void check_rig(RigFiles& rig, dive::FindingLog& all) {
+    rig.cam0 = checked_camera(rig.cam0_yaml, "mav0/cam0/sensor.yaml", all);
+    rig.cam1 = checked_camera(rig.cam1_yaml, "mav0/cam1/sensor.yaml", all);
+    dive::FindingLog findings;
+    dive::check_stereo(rig.cam0, rig.cam1, findings);
+    pass_on(findings, all);
+}
+
 RigFiles rig_of_folder(const std::filesystem::path& folder, dive::FindingLog& findings) {
     const auto root = std::filesystem::exists(folder / "mav0") ? folder / "mav0" : folder;
     RigFiles rig;
@@ -200,7 +178,7 @@ RigFiles rig_of_folder(const std::filesystem::path& folder, dive::FindingLog& fi
     rig.cam1_yaml = text_of(root / "cam1" / "sensor.yaml");
     const auto imu_yaml = root / "imu0" / "sensor.yaml";
     if (std::filesystem::exists(imu_yaml)) rig.imu_yaml = text_of(imu_yaml);
-    check(rig, findings);
+    check_rig(rig, findings);
     return rig;
 }
 
@@ -222,10 +200,11 @@ RigFiles rig_of_infos(const CameraInfo& left,
     if (poses.T_imu_cam0 && rectification == Rectification::Rectified)
         T_body_cam0 = T_body_cam0 * Eigen::Isometry3d(rectification_of(left).transpose());
     RigFiles rig;
-    rig.cam0_yaml = camera_yaml(yaml_of(left, T_body_cam0, rectification));
-    rig.cam1_yaml = camera_yaml(yaml_of(right, T_body_cam0 * T_cam0_cam1, rectification));
-    if (poses.T_imu_cam0) rig.imu_yaml = kImuYaml;
-    check(rig, findings);
+    rig.cam0_yaml = dive::camera_yaml_text(yaml_of(left, T_body_cam0, rectification), {kComment});
+    rig.cam1_yaml = dive::camera_yaml_text(yaml_of(right, T_body_cam0 * T_cam0_cam1, rectification),
+                                           {kComment});
+    if (poses.T_imu_cam0) rig.imu_yaml = dive::imu_yaml_text({}, {kImuComment});
+    check_rig(rig, findings);
     return rig;
 }
 

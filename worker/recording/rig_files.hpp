@@ -18,6 +18,13 @@ struct RigFiles {
     dive::CalibratedCamera cam1;
 };
 
+// Whether a name of a camera or lens model can be written into a sensor.yaml: letters, '_' and '-'.
+bool is_model_name(const std::string& name);
+
+// Reads the cameras of both texts. Throws Error{BadData} with the reason if they are not a stereo
+// rig.
+void check_rig(RigFiles& rig, dive::FindingLog& findings);
+
 // Reads the sensor.yaml files of another dive (of mav0/ or its parent): cam0, cam1 and imu0, if it
 // is there. Throws Error{BadData} or Error{NotFound} with the reason if they are not a stereo rig.
 RigFiles rig_of_folder(const std::filesystem::path& folder, dive::FindingLog& findings);

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "worker/base/atomic_file.hpp"
+#include "worker/dive/sensor_yaml_text.hpp"
 
 namespace divemesh::simulator {
 namespace {
@@ -22,22 +23,6 @@ void put(std::ostream& out, const Eigen::Vector3d& v) {
 
 void put(std::ostream& out, const Eigen::Quaterniond& q) {
     out << ',' << q.w() << ',' << q.x() << ',' << q.y() << ',' << q.z();
-}
-
-std::string sensor_yaml(const std::string& type,
-                        const std::string& comment,
-                        const Eigen::Isometry3d& T_imu_sensor,
-                        const std::string& rest) {
-    std::ostringstream out;
-    out << std::setprecision(kRowDigits) << "# General sensor definitions.\nsensor_type: " << type
-        << "\ncomment: " << comment
-        << "\n\n# Sensor extrinsics wrt. the body-frame (sensor to body; the body is the IMU).\n"
-        << "T_BS:\n  cols: 4\n  rows: 4\n  data: [";
-    const Eigen::Matrix4d& T = T_imu_sensor.matrix();
-    for (int i = 0; i < 16; ++i)
-        out << (i == 0 ? "" : (i % 4 == 0 ? ",\n         " : ", ")) << T(i / 4, i % 4);
-    out << "]\n" << rest;
-    return out.str();
 }
 
 nlohmann::json to_array(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
@@ -74,16 +59,16 @@ void write_camera_yaml(const std::filesystem::path& folder,
                        const types::Camera& camera,
                        const Eigen::Isometry3d& T_imu_cam,
                        double rate_hz) {
-    std::ostringstream rest;
     const auto& k = camera.distortion_coefficients;
-    rest << std::setprecision(kRowDigits)
-         << "\n# Camera specific definitions.\nrate_hz: " << rate_hz << "\nresolution: ["
-         << camera.width_px << ", " << camera.height_px << "]\ncamera_model: pinhole\nintrinsics: ["
-         << camera.fx_px << ", " << camera.fy_px << ", " << camera.cx_px << ", " << camera.cy_px
-         << "] #fu, fv, cu, cv\ndistortion_model: radial-tangential\ndistortion_coefficients: ["
-         << k[0] << ", " << k[1] << ", " << k[2] << ", " << k[3] << "]\n";
+    dive::SensorYaml yaml;
+    yaml.T_body_sensor = T_imu_cam.matrix();
+    yaml.resolution = {static_cast<double>(camera.width_px), static_cast<double>(camera.height_px)};
+    yaml.camera_model = "pinhole";
+    yaml.intrinsics = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
+    yaml.distortion_model = "radial-tangential";
+    yaml.distortion_coefficients.assign(k.begin(), k.end());
     write_text(folder / "sensor.yaml",
-               sensor_yaml("camera", "rendered, global shutter", T_imu_cam, rest.str()));
+               dive::camera_yaml_text(yaml, {"rendered, global shutter", rate_hz, kRowDigits}));
 }
 
 void write_camera_files(const std::filesystem::path& folder,
@@ -112,16 +97,13 @@ void write_imu_files(const std::filesystem::path& folder,
         rows << '\n';
     }
     write_text(folder / "data.csv", rows.str());
-    std::ostringstream rest;
-    rest << "rate_hz: " << kImuRateHz << "\n\n# inertial sensor noise model parameters\n"
-         << "gyroscope_noise_density: " << noise.gyroscope_noise_density
-         << "     # [ rad / s / sqrt(Hz) ]\ngyroscope_random_walk: " << noise.gyroscope_random_walk
-         << "       # [ rad / s^2 / sqrt(Hz) ]\naccelerometer_noise_density: "
-         << noise.accelerometer_noise_density
-         << "  # [ m / s^2 / sqrt(Hz) ]\naccelerometer_random_walk: "
-         << noise.accelerometer_random_walk << "    # [ m / s^3 / sqrt(Hz) ]\n";
+    dive::SensorYaml yaml;
+    yaml.gyroscope_noise_density = noise.gyroscope_noise_density;
+    yaml.gyroscope_random_walk = noise.gyroscope_random_walk;
+    yaml.accelerometer_noise_density = noise.accelerometer_noise_density;
+    yaml.accelerometer_random_walk = noise.accelerometer_random_walk;
     write_text(folder / "sensor.yaml",
-               sensor_yaml("imu", "simulated", Eigen::Isometry3d::Identity(), rest.str()));
+               dive::imu_yaml_text(yaml, {"simulated", kImuRateHz, kRowDigits}));
 }
 
 void write_ground_truth_files(const std::filesystem::path& folder,
@@ -143,11 +125,9 @@ void write_ground_truth_files(const std::filesystem::path& folder,
         rows << '\n';
     }
     write_text(folder / "data.csv", rows.str());
-    write_text(folder / "sensor.yaml",
-               sensor_yaml("visual-inertial",
-                           "exact motion of the body, world z up",
-                           Eigen::Isometry3d::Identity(),
-                           ""));
+    write_text(
+        folder / "sensor.yaml",
+        dive::sensor_yaml_text("visual-inertial", {}, {"exact motion of the body, world z up"}));
 }
 
 void write_ahrs_files(const std::filesystem::path& folder,
@@ -161,14 +141,11 @@ void write_ahrs_files(const std::filesystem::path& folder,
         rows << '\n';
     }
     write_text(folder / "data.csv", rows.str());
-    std::ostringstream rest;
-    rest << "rate_hz: " << kAhrsRateHz
-         << "\norientation_error_rms_deg: 0.5   # at most; slowly varying, 0.02 deg white\n";
-    write_text(folder / "sensor.yaml",
-               sensor_yaml("ahrs",
-                           "absolute orientation of the body in the world",
-                           Eigen::Isometry3d::Identity(),
-                           rest.str()));
+    const std::string yaml = dive::sensor_yaml_text(
+        "ahrs", {}, {"absolute orientation of the body in the world", kAhrsRateHz});
+    write_text(
+        folder / "sensor.yaml",
+        yaml + "orientation_error_rms_deg: 0.5   # at most; slowly varying, 0.02 deg white\n");
 }
 
 void write_pressure_file(const std::filesystem::path& folder,

@@ -32,6 +32,11 @@ TEST(CalibrationFormatTest, CalibrationsOfOtherToolsAreNamed) {
               "a camera chain of Kalibr");
     EXPECT_EQ(name("image_width: 640\ncamera_matrix:\n  rows: 3\n"), "camera_info of ROS");
     EXPECT_EQ(name("%YAML:1.0\nM1: !!opencv-matrix\n"), "a file of OpenCV's calibration");
+    EXPECT_EQ(name("%YAML:1.0\nimage_width: 640\ncamera_matrix: !!opencv-matrix\n"),
+              "a file of OpenCV's calibration");
+    EXPECT_EQ(name("{\"fx_left\": 1, \"fx_right\": 1}"), "a stereo calibration of KWIVER");
+    EXPECT_EQ(name("#   CAMERA_ID, MODEL, WIDTH, HEIGHT, PARAMS[]\n"),
+              "a list of cameras of COLMAP");
     EXPECT_EQ(name("%YAML:1.0\nT_BS: !!opencv-matrix\n"), "");
     EXPECT_EQ(name("camera_model: pinhole\n"), "");
 }

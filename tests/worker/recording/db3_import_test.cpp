@@ -90,7 +90,7 @@ TEST(Db3ImportTest, ABagInSqliteIsTheSameDiveAsOneInMcap) {
     for (const char* recording : {"bag.mcap", "bag/bag_0.db3", "bag/"}) {
         ImportOptions options;
         options.recording = folder / recording;
-        options.calibration = tank;
+        options.calibration = {tank};
         options.out = folder / "dive";
         RecordingImport import(options, base::ignore_progress);
         const ImportCounts counts = import.write(base::ignore_progress);

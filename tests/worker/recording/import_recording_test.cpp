@@ -191,7 +191,7 @@ TEST_F(ImportSharedDiveTest, ABagOfPixelsIsTheSameDive) {
                              {pixels, image.total() * image.elemSize()});
     });
     ImportOptions options = options_for(writer.finished());
-    options.calibration = tank_;
+    options.calibration = {tank_};
     const ImportCounts counts = imported(options);
     EXPECT_EQ(counts.num_left, 30);
     EXPECT_EQ(counts.num_right, 30);
@@ -220,7 +220,7 @@ TEST_F(ImportSharedDiveTest, AnMcapOfCompressedImagesIsTheSameDiveToTheByte) {
         });
         const std::string bytes = writer.finished();
         ImportOptions options = options_for(bytes);
-        options.calibration = tank_ / "mav0";
+        options.calibration = {tank_ / "mav0"};
         options.out = folder_ / (wire == Wire::BigCdr ? "big" : "little");
         EXPECT_EQ(imported(options).num_left, 30);
         for (const auto& [time_ns, name] : truth.images())
@@ -310,6 +310,23 @@ TEST_F(ImportRecordingTest, CameraInfoOfRectifiedImagesGivesThePinholesOfP) {
     EXPECT_EQ(rig.cam1.camera.distortion, types::Distortion::None);
     EXPECT_LT((rig.cam1.T_body_cam.translation() - Eigen::Vector3d(0.12, 0, 0)).norm(), 1e-15);
     EXPECT_TRUE(rig.cam1.T_body_cam.linear().isIdentity(1e-15));
+}
+
+TEST_F(ImportRecordingTest, ACalibrationWithoutASizeIsForTheRecordedImages) {
+    ImportOptions options = options_for(InfoPair().recording("image_raw"));
+    options.calibration = {folder_ / "rig.yml"};
+    std::ofstream(options.calibration[0]) << "%YAML:1.0\n---\nK1: [60, 0, 31, 0, 61, 24, 0, 0, 1]\n"
+                                             "K2: [62, 0, 30, 0, 63, 23, 0, 0, 1]\n"
+                                             "R: [0, 0, 0]\nT: [-12, 0, 0]\n";
+    EXPECT_NE(refusal_of(options).find("--calibration-unit"), std::string::npos);
+    options.metres_per_unit = 1e-2;
+    imported(options);
+    dive::FindingLog findings;
+    const RigFiles rig = rig_of_folder(options.out, findings);
+    EXPECT_EQ(rig.cam0.camera.width_px, 64);
+    EXPECT_EQ(rig.cam1.camera.height_px, 48);
+    EXPECT_EQ(rig.cam1.camera.fy_px, 63.0);
+    EXPECT_LT((rig.cam1.T_body_cam.translation() - Eigen::Vector3d(0.12, 0, 0)).norm(), 1e-15);
 }
 
 TEST_F(ImportRecordingTest, AMessageWithoutAStampHasTheTimeOfRecording) {

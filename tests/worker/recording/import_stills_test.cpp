@@ -80,7 +80,7 @@ protected:
         StillsOptions options;
         options.folders = std::move(folders);
         options.out = folder_ / "dive";
-        options.calibration = calibration();
+        options.calibration = {calibration()};
         return options;
     }
     ImportCounts imported(const StillsOptions& options) {
@@ -149,7 +149,7 @@ TEST_F(ImportStillsTest, TwoFoldersOfASharedDiveKeepTheirBytesAndTimes) {
     put(folder_ / "cam1" / "Thumbs.db", "thumbs");
     fs::create_symlink("/etc/hostname", folder_ / "cam0" / "y_1600000000050000000.jpg");
     StillsOptions options = options_for({folder_ / "cam0", folder_ / "cam1"});
-    options.calibration = shared_data("tank");
+    options.calibration = {shared_data("tank")};
     const ImportCounts counts = imported(options);
     EXPECT_EQ(counts.num_left, kNumPairs);
     for (const char* camera : {"cam0", "cam1"})
