@@ -1,10 +1,13 @@
 #include <iostream>
+#include <map>
 #include <memory>
+#include <string>
 
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/findings_text.hpp"
 #include "cli/follow.hpp"
+#include "cli/import_video.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/text.hpp"
@@ -67,21 +70,52 @@ int run(const recording::ImportOptions& options, const Context& context) {
     return kExitDone;
 }
 
+// What the command line states, for a recording of a robot or for videos.
+struct ImportArguments {
+    recording::ImportOptions recorded;
+    recording::VideoImportOptions videos;
+};
+
+const std::map<std::string, recording::VideoLayout> kLayouts = {
+    {"two-files", recording::VideoLayout::TwoFiles},
+    {"side-by-side", recording::VideoLayout::SideBySide},
+    {"over-under", recording::VideoLayout::OverUnder}};
+
+// Imports videos, or the one recording of a robot.
+int run_either(const ImportArguments& arguments, const Context& context) {
+    recording::VideoImportOptions videos = arguments.videos;
+    if (videos.videos.size() > 1 ||
+        video::is_video(recording::InputFile(videos.videos.front()).read(0, 12))) {
+        videos.out = arguments.recorded.out;
+        videos.calibration = arguments.recorded.calibration;
+        return run_video_import(videos, context);
+    }
+    recording::ImportOptions recorded = arguments.recorded;
+    recorded.recording = videos.videos.front();
+    return run(recorded, context);
+}
+
 }  // namespace
 
 void add_import(CLI::App& app, Context& context) {
-    auto* command = app.add_subcommand("import", "turn a ROS bag or MCAP recording into a dive");
-    auto options = std::make_shared<recording::ImportOptions>();
+    auto* command =
+        app.add_subcommand("import", "turn a ROS bag, an MCAP recording or videos into a dive");
+    auto arguments = std::make_shared<ImportArguments>();
+    auto* options = &arguments->recorded;
+    auto* videos = &arguments->videos;
     // clang-format off
-    command->add_option("recording", options->recording, "ROS 1 bag (.bag) or MCAP (.mcap)")->required();
+    command->add_option("recording", videos->videos, "ROS 1 bag (.bag) or MCAP (.mcap); videos (MP4, MOV, MKV, AVI): left and right, or one of both")->required()->expected(1, 2);
     command->add_option("--out", options->out, "folder of the dive, which must not exist")->required();
     command->add_option("--left", options->topics.left, "topic of the left camera; default: by its name");
     command->add_option("--right", options->topics.right, "topic of the right camera");
     command->add_option("--imu", options->topics.imu, "topic of the IMU, or none; default: the only one");
     command->add_option("--calibration", options->calibration, "folder of a dive whose sensor.yaml files are used (cam0, cam1, imu0); default: CameraInfo of the recording");
+    command->add_option("--layout", videos->layout, "of a video that holds both cameras: side-by-side or over-under")->transform(CLI::CheckedTransformer(kLayouts));
+    command->add_option("--rate", videos->rate_hz, "pairs a second that are taken of videos")->capture_default_str();
+    command->add_option("--offset", videos->offset_s, "time of a moment in the left video minus its time in the right one, s; default: by sound, file times or motion");
     // clang-format on
-    command->callback([options, &context] {
-        context.command = [options, &context] { return run(*options, context); };
+    command->callback([arguments, &context] {
+        context.command = [arguments, &context] { return run_either(*arguments, context); };
     });
 }
 

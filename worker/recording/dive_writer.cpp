@@ -42,6 +42,15 @@ void check_is_free(const fs::path& out) {
                 out.string() + " exists: choose a new folder by --out, or remove it");
 }
 
+// Returns an object for one source, a list of them for several.
+nlohmann::json imported_from(const std::vector<Provenance>& sources) {
+    nlohmann::json list = nlohmann::json::array();
+    for (const Provenance& source : sources)
+        list.push_back(
+            {{"file", source.file}, {"sha256", source.sha256}, {"size_bytes", source.size_bytes}});
+    return sources.size() == 1 ? list[0] : list;
+}
+
 template <typename Sample>
 void sort_by_time(std::vector<Sample>& samples) {
     std::stable_sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
@@ -87,16 +96,13 @@ std::int64_t DiveWriter::num_images(Side side) const {
     return std::ssize(side == Side::Left ? left_ : right_);
 }
 
-void DiveWriter::commit(const RigFiles& rig, const Provenance& provenance) {
+void DiveWriter::commit(const RigFiles& rig, const std::vector<Provenance>& sources) {
     write_camera(Side::Left, rig.cam0_yaml);
     write_camera(Side::Right, rig.cam1_yaml);
     if (rig.imu_yaml && !imu_.empty()) write_imu(*rig.imu_yaml);
     if (!pressure_.empty()) write_pressure();
-    const nlohmann::json info = {{"name", fs::path(provenance.file).stem().string()},
-                                 {"imported_from",
-                                  {{"file", provenance.file},
-                                   {"sha256", provenance.sha256},
-                                   {"size_bytes", provenance.size_bytes}}}};
+    const nlohmann::json info = {{"name", fs::path(sources.front().file).stem().string()},
+                                 {"imported_from", imported_from(sources)}};
     const auto text = info.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
     base::write_file(partial_ / "dive.json", text);
     sync_disk_of(partial_);

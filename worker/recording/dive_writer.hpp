@@ -7,17 +7,11 @@
 #include <vector>
 
 #include "worker/recording/image_file.hpp"
+#include "worker/recording/provenance.hpp"
 #include "worker/recording/rig_files.hpp"
 #include "worker/types/recording.hpp"
 
 namespace divemesh::recording {
-
-// Where a dive came from, for its dive.json.
-struct Provenance {
-    std::string file;
-    std::string sha256;
-    std::int64_t size_bytes = 0;
-};
 
 enum class Side { Left, Right };
 
@@ -38,8 +32,9 @@ public:
     std::int64_t num_images(Side side) const;
     std::int64_t num_imu() const { return std::ssize(imu_); }
     std::int64_t num_pressures() const { return std::ssize(pressure_); }
-    // Writes the tables, in the order of time, and gives the dive its name.
-    void commit(const RigFiles& rig, const Provenance& provenance);
+    // Writes the tables, in the order of time, and gives the dive its name. `sources` is not empty;
+    // the dive is named after the first.
+    void commit(const RigFiles& rig, const std::vector<Provenance>& sources);
 
 private:
     using Names = std::unordered_map<std::int64_t, std::string>;  // of images, by timestamp

@@ -3,24 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "worker/recording/dive_writer.hpp"
 #include "worker/recording/message_sorter.hpp"
+#include "worker/recording/provenance.hpp"
 
 namespace divemesh::recording {
-namespace {
-
-constexpr std::int64_t kHashed_bytes = std::int64_t{1} << 20U;  // at a time
-
-Provenance provenance_of(const InputFile& file) {
-    Sha256 hash;
-    for (std::int64_t at = 0; at < file.size_bytes(); at += kHashed_bytes)
-        hash.update(file.read(at, kHashed_bytes));
-    return {file.path().filename().string(), hash.hex(), file.size_bytes()};
-}
-
-}  // namespace
 
 RecordingImport::RecordingImport(ImportOptions options, const base::ProgressCallback& progress)
     : options_(std::move(options)),
@@ -53,7 +41,7 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
             "pressure_converted",
             topics()[*chosen_.pressure].name,
             "depth is computed from pressure for sea water of 1025 kg/m^3 under 101325 Pa");
-    writer.commit(rig, provenance_of(InputFile(options_.recording)));
+    writer.commit(rig, {provenance_of(InputFile(options_.recording))});
     return {writer.num_images(Side::Left),
             writer.num_images(Side::Right),
             writer.num_imu(),
