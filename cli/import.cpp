@@ -84,8 +84,7 @@ const std::map<std::string, recording::VideoLayout> kLayouts = {
 // Imports videos, or the one recording of a robot.
 int run_either(const ImportArguments& arguments, const Context& context) {
     recording::VideoImportOptions videos = arguments.videos;
-    if (videos.videos.size() > 1 ||
-        video::is_video(recording::InputFile(videos.videos.front()).read(0, 12))) {
+    if (videos.videos.size() > 1 || recording::is_video_file(videos.videos.front())) {
         videos.out = arguments.recorded.out;
         videos.calibration = arguments.recorded.calibration;
         return run_video_import(videos, context);

@@ -10,8 +10,8 @@
 #include "worker/base/part_of.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
+#include "worker/recording/input_file.hpp"
 #include "worker/recording/provenance.hpp"
-#include "worker/stats/median.hpp"
 #include "worker/video/find_offset.hpp"
 #include "worker/video/gpmf_imu.hpp"
 
@@ -39,6 +39,11 @@ std::string size_text(std::int64_t width_px, std::int64_t height_px) {
 std::string name_of(const video::IndexedVideo& video) { return video.path.filename().string(); }
 
 }  // namespace
+
+bool is_video_file(const std::filesystem::path& path) {
+    constexpr std::int64_t kHead_bytes = 12;
+    return video::is_video(InputFile(path).read(0, kHead_bytes));
+}
 
 VideoImport::VideoImport(VideoImportOptions options, const base::ProgressCallback& progress)
     : options_(std::move(options)) {
@@ -174,15 +179,12 @@ std::vector<video::PlannedPair> VideoImport::plan(const video::ClockOffset& cloc
 void VideoImport::report_gaps(const std::vector<video::PlannedPair>& pairs,
                               const video::ClockOffset& clock) {
     if (options_.layout != VideoLayout::TwoFiles) return;
-    std::vector<double> gaps_ms;
-    gaps_ms.reserve(pairs.size());
-    for (const auto& pair : pairs)
-        gaps_ms.push_back(1e3 * std::abs(base::to_s(clock.left_ns(pair.right_ns) - pair.left_ns)));
-    const double max_ms = *std::ranges::max_element(gaps_ms);
+    const video::PairTimes between = video::times_between(pairs, clock);
     findings_.info("video_gaps",
                    name_of(videos_.back()),
-                   "the frames of a pair are " + base::fixed(stats::median(std::move(gaps_ms)), 1) +
-                       " ms apart in the median, and " + base::fixed(max_ms, 1) + " ms at most");
+                   "the frames of a pair are " + base::fixed(1e3 * between.median_s, 1) +
+                       " ms apart in the median, and " + base::fixed(1e3 * between.max_s, 1) +
+                       " ms at most");
 }
 
 // Returns what is added to stamps of the left video: when it was created, if it says so.

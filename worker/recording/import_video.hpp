@@ -24,6 +24,9 @@ struct VideoImportOptions {
     std::filesystem::path out;          // folder of the dive, which must not exist
 };
 
+// Returns whether a file begins as a video does. Throws as InputFile does.
+bool is_video_file(const std::filesystem::path& path);
+
 // Turns one or two videos into a dive in EuRoC layout. Times are those of the left video, from when
 // its file says that it was created. Frames that are not chosen are not stored.
 class VideoImport {

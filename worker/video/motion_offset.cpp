@@ -49,7 +49,7 @@ std::optional<ClockOffset> offset_by_motion(const IndexedVideo& left,
     if (!lag || !lag->is_clear()) return std::nullopt;
     const double period_s =
         std::max({left.index.period_s(), right.index.period_s(), 1.0 / kRate_hz});
-    return ClockOffset{-lag->lag_s, 0.0, kSigmaPeriods * period_s};
+    return ClockOffset{0.0 - lag->lag_s, 0.0, kSigmaPeriods * period_s};
 }
 
 }  // namespace divemesh::video

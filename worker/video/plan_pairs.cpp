@@ -44,11 +44,14 @@ std::vector<std::int64_t> at_rate(const std::vector<std::int64_t>& left_ns, doub
     const double period_s = base::to_s(median_period_ns(left_ns));
     if (left_ns.empty() || rate_hz * period_s >= kEveryFrame) return left_ns;
     std::vector<std::int64_t> chosen;
+    const double whole_s = base::to_s(left_ns.back() - left_ns.front());
+    const double last_moment = std::floor((whole_s + 0.5 * period_s) * rate_hz);
     double chosen_moment = -1.0;
     double chosen_off = 0.0;  // of the chosen frame from its moment, in moments
     for (const std::int64_t stamp_ns : left_ns) {
         const double passed = base::to_s(stamp_ns - left_ns.front()) * rate_hz;
         const double off = std::abs(passed - std::round(passed));
+        if (std::round(passed) > last_moment) break;
         const bool is_new = std::round(passed) > chosen_moment;
         if (!is_new && off >= chosen_off) continue;
         if (!is_new) chosen.pop_back();
@@ -83,6 +86,18 @@ std::vector<PlannedPair> plan_pairs(const std::vector<std::int64_t>& left_ns,
         next_right = right + 1;
     }
     return pairs;
+}
+
+PairTimes times_between(const std::vector<PlannedPair>& pairs, const ClockOffset& clock) {
+    std::vector<double> times_s;
+    times_s.reserve(pairs.size());
+    PairTimes between;
+    for (const PlannedPair& pair : pairs) {
+        times_s.push_back(std::abs(base::to_s(clock.left_ns(pair.right_ns) - pair.left_ns)));
+        between.max_s = std::max(between.max_s, times_s.back());
+    }
+    between.median_s = stats::median(std::move(times_s));
+    return between;
 }
 
 }  // namespace divemesh::video

@@ -22,4 +22,12 @@ std::vector<PlannedPair> plan_pairs(const std::vector<std::int64_t>& left_ns,
                                     const ClockOffset& clock,
                                     double rate_hz);
 
+// The time between the frames of pairs, whichever is first.
+struct PairTimes {
+    double median_s = 0.0;
+    double max_s = 0.0;
+};
+
+PairTimes times_between(const std::vector<PlannedPair>& pairs, const ClockOffset& clock);
+
 }  // namespace divemesh::video

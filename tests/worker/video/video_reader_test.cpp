@@ -105,6 +105,8 @@ TEST_F(VideoReaderTest, ChosenFramesOfGroupsWithBFramesAreThoseOfTheirStamps) {
         video.ticks_hz = 30;
         video.max_b_frames = 2;
         video.encoder_options = {{"g", "12"}};
+        if (codec == std::string("libx265"))
+            video.encoder_options["x265-params"] = "log-level=none";
         std::vector<std::int64_t> ticks;
         for (int i = 0; i < 30; ++i) ticks.push_back(i);
         const fs::path path =
@@ -217,28 +219,6 @@ TEST_F(VideoReaderTest, WhatIsNoVideoIsRefusedWithWhatToDo) {
     }
     EXPECT_THROW(read_index(folder_ / "missing", no_progress), Error);
     EXPECT_THROW(read_index(folder_.path(), no_progress), Error);
-}
-
-TEST_F(VideoReaderTest, AFrameThatTheDecoderMakesUpIsLeftOut) {
-    WrittenVideo video;
-    video.codec = "libx264";
-    video.pixel_format = "yuv420p";
-    video.encoder_options = {{"g", "1"}};
-    const fs::path path = written("a.mkv", video, {0, 33, 66, 100, 133}, [](int i) {
-        return noise_image(64, 48, CV_8UC3, i);
-    });
-    const auto stamps_ns = read_index(path, no_progress).stamps_ns;
-    const auto whole = all_frames(path, stamps_ns);
-    std::string bytes = bytes_of(path);
-    for (std::size_t at = bytes.size() / 2; at < bytes.size() / 2 + 40; ++at)
-        bytes[at] = static_cast<char>(~bytes[at]);
-    std::ofstream(path, std::ios::binary) << bytes;
-    const auto frames = all_frames(path, stamps_ns);
-    EXPECT_EQ(frames.size(), 4U);
-    for (const VideoFrame& frame : frames)
-        for (const VideoFrame& truth : whole)
-            if (truth.stamp_ns == frame.stamp_ns)
-                EXPECT_EQ(cv::norm(frame.pixels, truth.pixels, cv::NORM_INF), 0.0);
 }
 
 TEST_F(VideoReaderTest, EveryDamageOfAFileEndsInFramesOrAnError) {
