@@ -3,16 +3,18 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
 #include "cli/findings_text.hpp"
 #include "cli/follow.hpp"
 #include "cli/import_stills.hpp"
+#include "cli/import_video.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/text.hpp"
-#include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "worker/recording/import_recording.hpp"
 #include "worker/recording/read_rig.hpp"
@@ -24,6 +26,8 @@ struct ImportArguments {
     std::vector<std::filesystem::path> recordings;
     recording::ImportOptions options;  // of recordings of all kinds
     std::shared_ptr<recording::StillsOptions> stills;
+    std::shared_ptr<recording::VideoImportOptions> video;
+    std::optional<double> rate_hz;  // of images or of pairs, whatever is imported
     std::string unit;
     std::optional<std::array<double, 2>> size_px;  // of the images, which the recording tells too
     std::string size;
@@ -41,6 +45,10 @@ void read_words(ImportArguments& arguments) {
     int width = 0;
     int height = 0;
     char rest = 0;
+    if (arguments.rate_hz) {
+        arguments.stills->times.rate_hz = arguments.rate_hz;
+        arguments.video->rate_hz = *arguments.rate_hz;
+    }
     if (arguments.size.empty()) return;
     if (std::sscanf(arguments.size.c_str(), "%6dx%6d%c", &width, &height, &rest) != 2)
         throw CLI::ValidationError("--image-size", "is not like 1920x1080");
@@ -127,11 +135,8 @@ int run(const ImportArguments& arguments, const Context& context) {
     options.recording = arguments.recordings.front();
     if (recording::is_image_folder(options.recording))
         return import_stills(arguments.recordings, options, *arguments.stills, context);
-    if (arguments.recordings.size() > 1)
-        throw Error(ErrorCode::InvalidArgument,
-                    options.recording.string() +
-                        " is not a folder: two recordings have to be the folders of the left and "
-                        "of the right camera");
+    if (arguments.recordings.size() > 1 || recording::is_video_file(options.recording))
+        return import_video(arguments.recordings, options, *arguments.video, context);
     return import_messages(options, context);
 }
 
@@ -140,12 +145,12 @@ int run(const ImportArguments& arguments, const Context& context) {
 void add_import(CLI::App& app, Context& context) {
     auto* command = app.add_subcommand(
         "import",
-        "turn a ROS bag, an MCAP recording or folders of images into a dive, or a calibration into "
-        "sensor.yaml files");
+        "turn a ROS bag, an MCAP recording, videos or folders of images into a dive, or a "
+        "calibration into sensor.yaml files");
     auto arguments = std::make_shared<ImportArguments>();
     recording::ImportOptions& options = arguments->options;
     // clang-format off
-    command->add_option("recording", arguments->recordings, "ROS 1 bag (.bag), MCAP (.mcap), ROS 2 bag (.db3) or its folder; a folder of images, or two: left and right; none: --calibration alone writes sensor.yaml files into --out")->expected(0, 2);
+    command->add_option("recording", arguments->recordings, "ROS 1 bag (.bag), MCAP (.mcap), ROS 2 bag (.db3) or its folder; videos (MP4, MOV, MKV, AVI): left and right, or one of both; a folder of images, or two: left and right; none: --calibration alone writes sensor.yaml files into --out")->expected(0, 2);
     command->add_option("--out", options.out, "folder of the dive, which must not exist; without a recording it may")->required();
     command->add_option("--left", options.topics.left, "topic or folder of the left camera; default: by its name");
     command->add_option("--right", options.topics.right, "topic or folder of the right camera");
@@ -153,8 +158,10 @@ void add_import(CLI::App& app, Context& context) {
     command->add_option("--calibration", options.calibration, "folder of a dive whose sensor.yaml files are used (cam0, cam1, imu0), or files of Kalibr, OpenCV, ROS, KWIVER or COLMAP; after the recording; default: that of the recording");
     command->add_option("--calibration-unit", arguments->unit, "unit of T in files of OpenCV and KWIVER; default: m or mm by its size")->check(CLI::IsMember({"m", "cm", "mm"}));
     command->add_option("--image-size", arguments->size, "size of the images, such as 1920x1080, where neither a recording nor the calibration states it");
+    command->add_option("--rate", arguments->rate_hz, "pairs a second: of images whose names count them, or those that are taken of videos (default 10)");
     // clang-format on
     arguments->stills = add_stills_options(*command);
+    arguments->video = add_video_options(*command);
     command->callback([arguments, &context] {
         read_words(*arguments);
         context.command = [arguments, &context] { return run(*arguments, context); };

@@ -41,7 +41,6 @@ std::shared_ptr<recording::StillsOptions> add_stills_options(CLI::App& command) 
     };
     // clang-format off
     command.add_option("--list", stills->times.list, "images: table of time, left and right image; default: the one beside them");
-    command.add_option("--rate", stills->times.rate_hz, "images: the names count images of this rate, in images a second");
     command.add_option_function<std::string>("--unit", set_unit, "images: unit of the times in names or list")->check(CLI::IsMember({"ns", "us", "ms", "s"}));
     command.add_option("--bayer", stills->pixels.bayer, "images: they are a Bayer mosaic with these colours in the first 2 x 2 pixels")->check(CLI::IsMember({"rggb", "bggr", "gbrg", "grbg"}));
     command.add_option("--bits", stills->pixels.num_bits, "images: bits used of 16, from the lowest on")->check(CLI::Range(8, 16));

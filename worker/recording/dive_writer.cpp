@@ -42,6 +42,7 @@ void check_is_free(const fs::path& out) {
                 out.string() + " exists: choose a new folder by --out, or remove it");
 }
 
+// Returns an object for one source, a list of them for several.
 template <typename Sample>
 void sort_by_time(std::vector<Sample>& samples) {
     std::stable_sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
@@ -58,15 +59,15 @@ void sync_disk_of(const fs::path& folder) {
 }
 
 std::string dive_json(const Provenance& provenance) {
-    nlohmann::json origin = {{"sha256", provenance.sha256},
-                             {"size_bytes", provenance.size_bytes},
-                             {"findings", provenance.findings}};
-    nlohmann::json info = nlohmann::json::object();
-    if (!provenance.file.empty()) {
-        info["name"] = fs::path(provenance.file).stem().string();
-        origin["file"] = provenance.file;
+    nlohmann::json files = nlohmann::json::array();
+    for (const ImportedFile& file : provenance.files) {
+        nlohmann::json entry = {{"sha256", file.sha256}, {"size_bytes", file.size_bytes}};
+        if (!file.name.empty()) entry["file"] = file.name;
+        files.push_back(std::move(entry));
     }
-    info["imported_from"] = std::move(origin);
+    nlohmann::json info = {
+        {"imported_from", {{"files", std::move(files)}, {"findings", provenance.findings}}}};
+    if (!provenance.name.empty()) info["name"] = provenance.name;
     return info.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 

@@ -6,21 +6,13 @@
 #include <unordered_map>
 #include <vector>
 
-#include "schemas/finding.hpp"
 #include "worker/base/atomic_file.hpp"
 #include "worker/recording/image_file.hpp"
+#include "worker/recording/provenance.hpp"
 #include "worker/recording/rig_files.hpp"
 #include "worker/types/recording.hpp"
 
 namespace divemesh::recording {
-
-// Where a dive came from, for its dive.json.
-struct Provenance {
-    std::string file;  // its name, after which the dive is named; "": a dive without a name
-    std::string sha256;
-    std::int64_t size_bytes = 0;
-    std::vector<Finding> findings;  // which the dive tells whenever it is opened
-};
 
 enum class Side { Left, Right };
 
@@ -42,7 +34,8 @@ public:
     std::int64_t num_images(Side side) const;
     std::int64_t num_imu() const { return std::ssize(imu_); }
     std::int64_t num_pressures() const { return std::ssize(pressure_); }
-    // Writes the tables, in the order of time, and gives the dive its name.
+    // Writes the tables, in the order of time, and gives the dive its name. `sources` is not empty;
+    // the dive is named after the first.
     void commit(const RigFiles& rig, const Provenance& provenance);
 
 private:

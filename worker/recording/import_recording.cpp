@@ -3,37 +3,25 @@
 #include <algorithm>
 #include <utility>
 
-#include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "worker/dive/image.hpp"
 #include "worker/recording/bag_folder.hpp"
 #include "worker/recording/dive_writer.hpp"
 #include "worker/recording/message_sorter.hpp"
+#include "worker/recording/provenance.hpp"
 
 namespace divemesh::recording {
 namespace {
 
-constexpr std::int64_t kHashed_bytes = std::int64_t{1} << 20U;  // at a time
-
-// Returns where a dive came from. The hash of a folder is that of its files after each other.
 Provenance provenance_of(const std::filesystem::path& recording,
                          Naming naming,
                          const std::vector<Finding>& findings) {
     const auto path = recording.has_filename() ? recording : recording.parent_path();
-    const std::string name = path.filename().string();
-    Sha256 hash;
-    Provenance provenance{.file = name, .findings = findings};
-    for (const auto& part : files_of_recording(path)) {
-        const InputFile file(part);
-        provenance.size_bytes += file.size_bytes();
-        for (std::int64_t at = 0; at < file.size_bytes(); at += kHashed_bytes)
-            hash.update(file.read(at, kHashed_bytes));
-    }
-    provenance.sha256 = hash.hex();
-    if (naming == Naming::AfterFile) return provenance;
-    provenance.file.clear();
-    for (Finding& finding : provenance.findings)
-        if (finding.where.starts_with(name)) finding.where.replace(0, name.size(), "recording");
+    Provenance provenance{
+        .name = path.stem().string(),
+        .files = {imported_file(path.filename().string(), files_of_recording(path))},
+        .findings = findings};
+    if (naming == Naming::Unnamed) remove_names(provenance);
     return provenance;
 }
 

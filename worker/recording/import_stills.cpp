@@ -85,7 +85,9 @@ public:
     Provenance provenance(const std::vector<std::filesystem::path>& folders) {
         std::string name = name_of(folders.front());
         if (folders.size() == 2) name += " and " + name_of(folders.back());
-        return {name, content_sha256(std::move(hashed_)), size_bytes_, findings_.all()};
+        return {.name = name,
+                .files = {{name, content_sha256(std::move(hashed_)), size_bytes_}},
+                .findings = findings_.all()};
     }
 
 private:

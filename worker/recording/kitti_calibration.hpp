@@ -4,15 +4,10 @@
 #include <string>
 #include <string_view>
 
+#include "worker/recording/image_size.hpp"
 #include "worker/recording/messages.hpp"
 
 namespace divemesh::recording {
-
-// The size of an image in pixels.
-struct ImageSize {
-    std::int64_t width_px = 0;
-    std::int64_t height_px = 0;
-};
 
 // Both cameras of a pair as ROS describes them.
 struct CameraInfos {

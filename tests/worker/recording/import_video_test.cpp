@@ -1,0 +1,287 @@
+#include "worker/recording/import_video.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <opencv2/core.hpp>
+#include <opencv2/imgcodecs.hpp>
+#include <sstream>
+
+#include "schemas/error.hpp"
+#include "tests/temporary_folder.hpp"
+#include "tests/worker/video/gpmf_writer.hpp"
+#include "tests/worker/video/video_writer.hpp"
+#include "worker/dive/sensor_tables.hpp"
+
+namespace divemesh::recording {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::int64_t kUnknownStart_ns = 1'000'000'000;
+
+std::string text_of(const fs::path& file) {
+    std::ifstream stream(file, std::ios::binary);
+    std::ostringstream text;
+    text << stream.rdbuf();
+    return text.str();
+}
+
+cv::Mat noise_image(int width_px, int height_px, int seed) {
+    cv::Mat image(height_px, width_px, CV_8UC3);
+    cv::RNG random(static_cast<std::uint64_t>(seed + 1));
+    random.fill(image, cv::RNG::UNIFORM, 0, 256);
+    return image;
+}
+
+class ImportVideoTest : public testing::Test {
+protected:
+    ImportVideoTest() {
+        write_yaml("cam0", "0.0");
+        write_yaml("cam1", "0.1");
+    }
+
+    void write_yaml(const std::string& camera, const std::string& x_m) {
+        fs::create_directories(folder_ / "rig" / "mav0" / camera);
+        std::ofstream(folder_ / "rig" / "mav0" / camera / "sensor.yaml")
+            << "T_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, " << x_m
+            << ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nresolution: [64, 48]\n"
+            << "camera_model: pinhole\nintrinsics: [60, 60, 32, 24]\n"
+            << "distortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n";
+    }
+
+    void write_imu_yaml() {
+        fs::create_directories(folder_ / "rig" / "mav0" / "imu0");
+        std::ofstream(folder_ / "rig" / "mav0" / "imu0" / "sensor.yaml")
+            << "T_BS:\n  cols: 4\n  rows: 4\n"
+            << "  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
+            << "gyroscope_noise_density: 1.0e-3\ngyroscope_random_walk: 1.0e-5\n"
+            << "accelerometer_noise_density: 1.0e-2\naccelerometer_random_walk: 1.0e-4\n";
+    }
+
+    // Writes images of a size, numbered from `seed` on, at times in ms.
+    fs::path written(const std::string& name,
+                     const std::vector<std::int64_t>& times_ms,
+                     int seed,
+                     video::WrittenVideo video = {},
+                     const std::vector<std::string>& payloads = {}) {
+        video::VideoWriter writer(folder_ / name, video);
+        for (std::size_t i = 0; i < payloads.size(); ++i)
+            writer.add_gpmf(payloads[i], static_cast<std::int64_t>(1000 * i), 1000);
+        for (std::size_t i = 0; i < times_ms.size(); ++i)
+            writer.add_frame(
+                noise_image(video.width_px, video.height_px, seed + static_cast<int>(i)),
+                times_ms[i]);
+        writer.finish();
+        return folder_ / name;
+    }
+
+    VideoImportOptions options_for(const std::vector<fs::path>& videos) const {
+        VideoImportOptions options;
+        options.videos = videos;
+        options.calibration = {folder_ / "rig"};
+        options.out = folder_ / "dive";
+        if (videos.size() == 2) options.offset_s = 0.0;
+        return options;
+    }
+
+    ImportCounts imported(const VideoImportOptions& options) {
+        fs::remove_all(options.out);
+        VideoImport import(options, base::ignore_progress);
+        const ImportCounts counts = import.write(base::ignore_progress);
+        findings_ = import.findings();
+        return counts;
+    }
+
+    std::string refusal_of(const VideoImportOptions& options) {
+        try {
+            imported(options);
+            ADD_FAILURE() << "it was not refused";
+        } catch (const Error& error) {
+            EXPECT_FALSE(fs::exists(options.out));
+            EXPECT_FALSE(fs::exists(options.out.string() + ".partial"));
+            return error.what();
+        }
+        return "";
+    }
+
+    bool has_code(const std::string& code) const {
+        for (const Finding& finding : findings_)
+            if (finding.code == code) return true;
+        return false;
+    }
+
+    // Expects an image of the dive to have the pixels of another one.
+    void expect_image(const char* camera, std::int64_t time_ns, const cv::Mat& truth) const {
+        const auto file =
+            folder_ / "dive" / "mav0" / camera / "data" / (std::to_string(time_ns) + ".png");
+        const cv::Mat image = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
+        ASSERT_EQ(image.size(), truth.size()) << file;
+        EXPECT_EQ(cv::norm(image, truth, cv::NORM_INF), 0.0) << file;
+    }
+
+    TemporaryFolder folder_;
+    std::vector<Finding> findings_;
+};
+
+TEST_F(ImportVideoTest, LosslessVideosAreDivesOfTheSamePixelsAtTheirTimes) {
+    video::WrittenVideo left;
+    left.creation_time = "2026-05-01T10:00:00.000000Z";
+    constexpr std::int64_t kCreated_ns = 1'777'629'600'000'000'000;
+    auto options = options_for({written("l.mkv", {0, 100, 200, 300, 410}, 0, left),
+                                written("r.mkv", {3, 104, 201, 299, 400}, 50)});
+    options.offset_s = 0.1;  // the right one began 100 ms later
+    const ImportCounts counts = imported(options);
+    EXPECT_EQ(counts.num_left, 4);
+    EXPECT_EQ(counts.num_right, 4);
+    const std::int64_t left_ms[] = {100, 200, 300, 410};
+    const std::int64_t right_ms[] = {103, 204, 301, 399};
+    for (int i = 0; i < 4; ++i) {
+        expect_image("cam0", kCreated_ns + 1'000'000 * left_ms[i], noise_image(64, 48, 1 + i));
+        expect_image("cam1", kCreated_ns + 1'000'000 * right_ms[i], noise_image(64, 48, 50 + i));
+    }
+    EXPECT_TRUE(has_code("video_gaps"));
+    const auto info = nlohmann::json::parse(text_of(options.out / "dive.json"));
+    EXPECT_EQ(info["name"], "l");
+    EXPECT_EQ(info["imported_from"]["files"][1]["file"], "r.mkv");
+    EXPECT_EQ(info["imported_from"]["files"][1]["size_bytes"], fs::file_size(folder_ / "r.mkv"));
+}
+
+TEST_F(ImportVideoTest, OneVideoOfBothCamerasIsCutInHalves) {
+    for (const auto layout : {VideoLayout::SideBySide, VideoLayout::OverUnder}) {
+        const bool is_wide = layout == VideoLayout::SideBySide;
+        video::WrittenVideo both;
+        both.width_px = is_wide ? 128 : 64;
+        both.height_px = is_wide ? 48 : 96;
+        auto options = options_for({written("b.mkv", {0, 100}, 0, both)});
+        options.layout = layout;
+        EXPECT_EQ(imported(options).num_right, 2);
+        const cv::Mat image = noise_image(both.width_px, both.height_px, 1);
+        const std::int64_t time_ns = kUnknownStart_ns + 100'000'000;
+        expect_image("cam0", time_ns, image(cv::Rect(0, 0, 64, 48)));
+        expect_image("cam1", time_ns, image(cv::Rect(is_wide ? 64 : 0, is_wide ? 0 : 48, 64, 48)));
+    }
+}
+
+TEST_F(ImportVideoTest, FramesOfMotionJpegAreStoredAsTheyAre) {
+    video::WrittenVideo video;
+    video.codec = "mjpeg";
+    video.pixel_format = "yuvj420p";
+    const auto options = options_for(
+        {written("l.avi", {0, 33, 66}, 0, video), written("r.avi", {0, 33, 66}, 9, video)});
+    EXPECT_GE(imported(options).num_left, 1);
+    const std::string file = text_of(options.out / "mav0" / "cam0" / "data" / "1000000000.jpg");
+    ASSERT_FALSE(file.empty());
+    EXPECT_NE(text_of(folder_ / "l.avi").find(file), std::string::npos);
+}
+
+TEST_F(ImportVideoTest, TheTelemetryOfAGoProIsTheImu) {
+    video::WrittenVideo gopro;
+    gopro.has_gpmf = true;
+    std::vector<std::string> payloads;
+    for (int k = 0; k < 3; ++k) {
+        std::vector<int> gyro;
+        std::vector<int> accel;
+        for (int i = 0; i < 200; ++i) gyro.insert(gyro.end(), {10, 20, 200 * k + i});
+        for (int i = 0; i < 200; ++i) accel.insert(accel.end(), {981, 0, 0});
+        const auto num = static_cast<std::uint32_t>(200 * (k + 1));
+        payloads.push_back(video::device(video::sensor_stream("GYRO", 100, "YxZ", num, gyro) +
+                                         video::sensor_stream("ACCL", 100, "ZXY", num, accel)));
+    }
+    std::vector<std::int64_t> times_ms;
+    for (int i = 0; i < 30; ++i) times_ms.push_back(100 * i);
+    const auto left = written("l.mov", times_ms, 0, gopro, payloads);
+    const auto right = written("r.mov", times_ms, 40);
+    EXPECT_EQ(imported(options_for({left, right})).num_imu, 0);
+    EXPECT_TRUE(has_code("imu_left_out"));
+    write_imu_yaml();
+    const auto options = options_for({left, right});
+    EXPECT_GE(imported(options).num_imu, 599);
+    dive::FindingLog findings;
+    const auto imu =
+        dive::parse_imu(text_of(options.out / "mav0" / "imu0" / "data.csv"), "imu", findings);
+    for (const types::ImuSample& sample : imu) {
+        const double number = 100.0 * sample.angular_velocity_imu.z();
+        EXPECT_NEAR(static_cast<double>(sample.timestamp_ns - kUnknownStart_ns), 5e6 * number, 1e5);
+        EXPECT_NEAR(sample.angular_velocity_imu.x(), -0.2, 1e-12);
+        EXPECT_NEAR(sample.angular_velocity_imu.y(), 0.1, 1e-12);
+        EXPECT_NEAR(sample.acceleration_imu.z(), 9.81, 1e-12);
+    }
+    // The right camera's alone, by the left clock.
+    auto swapped = options_for({right, left});
+    swapped.offset_s = 0.5;
+    imported(swapped);
+    const auto later =
+        dive::parse_imu(text_of(options.out / "mav0" / "imu0" / "data.csv"), "imu", findings);
+    EXPECT_EQ(later.front().timestamp_ns - imu.front().timestamp_ns, 500'000'000);
+}
+
+TEST_F(ImportVideoTest, TheRateChoosesPairs) {
+    std::vector<std::int64_t> times_ms;
+    for (int i = 0; i < 60; ++i) times_ms.push_back(33 * i);
+    auto options = options_for({written("l.mkv", times_ms, 0), written("r.mkv", times_ms, 70)});
+    options.rate_hz = 5.0;
+    EXPECT_EQ(imported(options).num_left, 10);
+    options.rate_hz = 100.0;
+    EXPECT_EQ(imported(options).num_left, 60);
+}
+
+TEST_F(ImportVideoTest, ACutVideoIsUsedUpToTheCut) {
+    std::vector<std::int64_t> times_ms;
+    for (int i = 0; i < 60; ++i) times_ms.push_back(100 * i);
+    const auto left = written("l.mkv", times_ms, 0);
+    const auto right = written("r.mkv", times_ms, 70);
+    fs::resize_file(right, fs::file_size(right) / 2);
+    const ImportCounts counts = imported(options_for({left, right}));
+    EXPECT_NEAR(static_cast<double>(counts.num_left), 30.0, 3.0);
+    EXPECT_TRUE(has_code("recording_cut"));
+    EXPECT_TRUE(has_code("video_unpaired"));
+}
+
+TEST_F(ImportVideoTest, WhatCannotBeIsRefusedWithWhatToDo) {
+    video::WrittenVideo wide;
+    wide.width_px = 128;
+    const auto left = written("l.mkv", {0, 100}, 0);
+    const auto right = written("r.mkv", {0, 100}, 9);
+    const auto other = written("o.mkv", {0, 100}, 9, wide);
+    std::ofstream(folder_ / "text.mkv") << "no video at all";
+    const std::vector<std::function<void(VideoImportOptions&)>> faults = {
+        [&](VideoImportOptions& o) { o.videos = {left}; },
+        [&](VideoImportOptions& o) {
+            o.videos = {left, right, right};
+        },
+        [&](VideoImportOptions& o) { o.layout = VideoLayout::SideBySide; },
+        [&](VideoImportOptions& o) { o.videos = {left}, o.layout = VideoLayout::OverUnder; },
+        [&](VideoImportOptions& o) { o.calibration.clear(); },
+        [&](VideoImportOptions& o) { o.calibration = {folder_ / "missing"}; },
+        [&](VideoImportOptions& o) { o.videos[1] = other; },
+        [&](VideoImportOptions& o) { o.videos[1] = folder_ / "text.mkv"; },
+        [&](VideoImportOptions& o) { o.videos[1] = folder_ / "missing.mkv"; },
+        [&](VideoImportOptions& o) { o.rate_hz = 0.0; },
+        [&](VideoImportOptions& o) { o.rate_hz = std::nan(""); },
+        [&](VideoImportOptions& o) { o.rate_hz = 1e9; },
+        [&](VideoImportOptions& o) { o.offset_s = std::nan(""); },
+        [&](VideoImportOptions& o) { o.offset_s = 1e300; },
+        [&](VideoImportOptions& o) { o.offset_s = 100.0; }};
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+        VideoImportOptions options = options_for({left, right});
+        faults[i](options);
+        EXPECT_GT(refusal_of(options).size(), 40U) << i;
+    }
+}
+
+TEST_F(ImportVideoTest, AFolderThatIsNotEmptyStaysAsItIs) {
+    const auto options =
+        options_for({written("l.mkv", {0, 100}, 0), written("r.mkv", {0, 100}, 9)});
+    fs::create_directories(options.out);
+    std::ofstream(options.out / "mine") << "x";
+    VideoImport import(options, base::ignore_progress);
+    EXPECT_THROW(import.write(base::ignore_progress), Error);
+    EXPECT_EQ(text_of(options.out / "mine"), "x");
+}
+
+}  // namespace
+}  // namespace divemesh::recording
