@@ -1,12 +1,11 @@
 #include "worker/recording/image_file.hpp"
 
-#include <opencv2/imgcodecs.hpp>
 #include <opencv2/imgproc.hpp>
-#include <vector>
 
 #include "schemas/error.hpp"
 #include "worker/dive/dive.hpp"
 #include "worker/dive/entry_name.hpp"
+#include "worker/recording/fast_png.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -76,26 +75,22 @@ cv::Mat copied(const RawImage& image, int type) {
     return pixels;
 }
 
-std::vector<unsigned char> png_of(cv::Mat pixels, int conversion) {
-    std::vector<unsigned char> png;
+cv::Mat converted(cv::Mat pixels, int conversion) {
+    if (conversion == kAsItIs) return pixels;
     try {
-        if (conversion != kAsItIs) cv::cvtColor(pixels, pixels, conversion);
-        // OpenCV's default is the fastest: level 1 with one filter, where level 1 stated tries five
-        // for each row. Images of water are noise in their lower bits.
-        if (cv::imencode(".png", pixels, png)) return png;
-    } catch (const cv::Exception&) {
-        png.clear();
+        cv::cvtColor(pixels, pixels, conversion);
+    } catch (const cv::Exception&) {  // a mosaic of one pixel
+        fail("its pixels cannot be converted to colours");
     }
-    fail("it cannot be written as PNG");
+    return pixels;
 }
 
 }  // namespace
 
 ImageFile image_file(const RawImage& image) {
     const Encoding& encoding = encoding_of(image);
-    const auto png = png_of(copied(image, encoding.type), encoding.conversion);
     ImageFile file;
-    file.bytes.assign(png.begin(), png.end());
+    file.bytes = fast_png(converted(copied(image, encoding.type), encoding.conversion));
     file.header = dive::read_image_header(file.bytes);
     return file;
 }
