@@ -9,9 +9,9 @@ extern "C" {
 namespace divemesh::video {
 namespace {
 
-// The same bytes on every machine, with chroma in full resolution.
-constexpr int kFlags =
-    SWS_BILINEAR | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP | SWS_ACCURATE_RND | SWS_BITEXACT;
+// The fast conversions: half the time of the accurate ones, whose grey values are 1.3 of 255
+// brighter everywhere, in both cameras.
+constexpr int kFlags = SWS_BILINEAR;
 constexpr int kPaddedTo_px = 64;         // libswscale may write this far beyond the end of a row
 constexpr int kHighDefinition_px = 720;  // rows; from here on BT.709 if no colour space is stated
 
