@@ -12,7 +12,7 @@ std::string by_import(const std::string& files) {
     return "divemesh import --calibration " + files +
            " --out DIVE writes sensor.yaml files of it; move a sensor.yaml that is there away "
            "first "
-           "(docs/dives.md).";
+           "(docs/importing.md).";
 }
 
 }  // namespace
