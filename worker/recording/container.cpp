@@ -29,8 +29,9 @@ std::string type_of_either_ros(std::string_view type) {
         text += " is a ROS bag older than 2.0: convert it by rosbag migrate";
     else
         text +=
-            " is neither MCAP nor a ROS bag: give the .mcap, .db3 or .bag file itself, or the "
-            "folder of a ROS 2 bag";
+            " is no recording that is read: give an MCAP file (.mcap), a ROS bag (.bag, .db3) or "
+            "its "
+            "folder, a video (MP4, MOV, MKV, AVI), or a folder of images";
     throw Error(ErrorCode::BadData, text);
 }
 

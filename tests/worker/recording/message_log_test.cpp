@@ -229,10 +229,10 @@ TEST_F(MessageLogTest, ALengthOf2To63EndsTheRecordingThere) {
 
 TEST_F(MessageLogTest, OtherFilesAreRefusedWithWhatToDo) {
     for (const auto& [bytes, advice] : std::vector<std::pair<std::string, std::string>>{
-             {"", "neither"},
-             {"SQLite format 3 and more", "neither"},
+             {"", "give an MCAP file"},
+             {"SQLite format 3 and more", "give an MCAP file"},
              {"#ROSBAG V1.2\nand more", "rosbag migrate"},
-             {"PK\x03\x04 a zip archive", "neither"}})
+             {"PK\x03\x04 a zip archive", "give an MCAP file"}})
         try {
             read(bytes);
             ADD_FAILURE() << bytes;

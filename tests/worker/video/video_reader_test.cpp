@@ -199,17 +199,16 @@ TEST_F(VideoReaderTest, ACutFileIsReadUpToTheCut) {
 TEST_F(VideoReaderTest, WhatIsNoVideoIsRefusedWithWhatToDo) {
     std::string matroska("\x1A\x45\xDF\xA3", 4);
     matroska.append(200, 'x');
-    const std::vector<std::string> contents = {
-        "",
-        "no video",
-        "#EXTM3U\nfile:///etc/passwd\n",
-        "ffconcat version 1.0\nfile /etc/passwd\n",
-        std::string("\0\0\0\x18"
-                    "ftypmp42\0\0\0\0mp42isom",
-                    24),
-        matroska,
-        "RIFF\xFF\xFF\xFF\x7F"
-        "AVI LIST"};
+    const std::vector<std::string> contents = {"",
+                                               "no video",
+                                               "#EXTM3U\nfile:///etc/passwd\n",
+                                               "ffconcat version 1.0\nfile /etc/passwd\n",
+                                               std::string("\0\0\0\x18"
+                                                           "ftypmp42\0\0\0\0mp42isom",
+                                                           24),
+                                               matroska,
+                                               "RIFF\xFF\xFF\xFF\x7F"
+                                               "AVI LIST"};
     for (const std::string& content : contents) {
         std::ofstream(folder_ / "bad", std::ios::binary) << content;
         try {
