@@ -23,7 +23,7 @@ struct ColmapModel {
 };
 
 const std::map<std::string, ColmapModel>& models() {
-    static const std::map<std::string, ColmapModel> all = {
+    static const std::map<std::string, ColmapModel> kAll = {
         {"SIMPLE_PINHOLE", {1, 0, "none"}},
         {"PINHOLE", {2, 0, "none"}},
         {"SIMPLE_RADIAL", {1, 1, "radial-tangential"}},
@@ -33,7 +33,7 @@ const std::map<std::string, ColmapModel>& models() {
         {"SIMPLE_RADIAL_FISHEYE", {1, 1, "equidistant"}},
         {"RADIAL_FISHEYE", {1, 2, "equidistant"}},
         {"OPENCV_FISHEYE", {2, 4, "equidistant"}}};
-    return all;
+    return kAll;
 }
 
 [[noreturn]] void fail(const std::string& file, int line, const std::string& what) {

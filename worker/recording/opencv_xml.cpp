@@ -57,7 +57,7 @@ private:
         if (++num_elements_ > kMaxElements) fail("too many elements");
         rest_.remove_prefix(1);
         const std::size_t length = std::min(rest_.find_first_of(" \t\r\n/>"), rest_.size());
-        const std::string name(rest_.substr(0, length));
+        std::string name(rest_.substr(0, length));
         const std::size_t end = rest_.find('>');
         if (name.empty() || end == std::string_view::npos || rest_.substr(0, end).ends_with('/'))
             fail("a tag has no name or no content");

@@ -84,7 +84,7 @@ std::optional<Eigen::Isometry3d> pose_between(const FrameTree& frames,
                                               const std::string& a,
                                               const std::string& b,
                                               dive::FindingLog& findings) {
-    const auto T_a_b = frames.between(a, b);
+    auto T_a_b = frames.between(a, b);
     const std::string names = "'" + a + "' and '" + b + "'";
     if (T_a_b && T_a_b->translation().norm() <= kMaxRigSize_m) return T_a_b;
     const std::string what = T_a_b ? "tf_static puts the frames " + names + " of the sensors " +

@@ -59,6 +59,7 @@ struct SampleClock {
 // are not on one.
 std::optional<SampleClock> clock_of(const std::vector<SampleRun>& runs) {
     std::vector<std::pair<double, double>> points;  // number, time
+    points.reserve(runs.size() + 1);
     for (const SampleRun& run : runs)
         points.emplace_back(static_cast<double>(run.first), run.stamp_s);
     const SampleRun& last = runs.back();
