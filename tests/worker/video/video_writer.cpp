@@ -10,6 +10,9 @@ extern "C" {
 #include <libavutil/pixdesc.h>
 }
 
+// Read by LeakSanitizer: the encoder of H.265 keeps a table until the process ends.
+extern "C" const char* __lsan_default_suppressions() { return "leak:libx265\n"; }
+
 namespace divemesh::video {
 namespace {
 
