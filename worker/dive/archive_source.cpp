@@ -162,9 +162,11 @@ void ArchiveSource::Unpacker::refuse_entry(const std::string& code,
 }
 
 void ArchiveSource::Unpacker::refuse_unreadable() const {
-    refuse("not_an_archive",
-           "is not a complete zip, tar, tar.gz or tar.zst archive (" + reason() + ")",
-           "Make the archive again and upload it again.");
+    refuse(
+        "not_an_archive",
+        "is not a complete zip, tar, tar.gz or tar.zst archive (" + reason() + ")",
+        "Make the archive again and upload it again; videos and images become a dive by divemesh "
+        "import.");
 }
 
 std::string ArchiveSource::Unpacker::reason() const {
