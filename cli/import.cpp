@@ -12,6 +12,7 @@
 #include "cli/follow.hpp"
 #include "cli/import_stills.hpp"
 #include "cli/import_video.hpp"
+#include "cli/imported_text.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/text.hpp"
@@ -112,20 +113,12 @@ int import_messages(const recording::ImportOptions& options, const Context& cont
     if (!context.json) std::cout << topics_text(recorded) << std::flush;
     const recording::ImportCounts counts = recorded.write(progress);
     if (context.json) {
-        std::cout << nlohmann::json{{"topics", topics_json(recorded)},
-                                    {"findings", recorded.findings()},
-                                    {"num_left", counts.num_left},
-                                    {"num_right", counts.num_right},
-                                    {"num_imu", counts.num_imu},
-                                    {"num_pressures", counts.num_pressures}}
-                         .dump(2)
-                  << '\n';
+        nlohmann::json json = imported_json(counts, recorded.findings());
+        json["topics"] = topics_json(recorded);
+        std::cout << json.dump(2) << '\n';
         return kExitDone;
     }
-    for (const Finding& finding : recorded.findings()) std::cout << finding_text(finding);
-    std::cout << options.out.string() << ": " << counts.num_left << " left and " << counts.num_right
-              << " right images, " << counts.num_imu << " IMU rows, " << counts.num_pressures
-              << " depths\n";
+    std::cout << imported_text(counts, recorded.findings(), options.out);
     return kExitDone;
 }
 

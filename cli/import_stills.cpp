@@ -3,37 +3,12 @@
 #include <iostream>
 
 #include "cli/exit_code.hpp"
-#include "cli/findings_text.hpp"
 #include "cli/follow.hpp"
+#include "cli/imported_text.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/progress_bar.hpp"
-#include "schemas/json.hpp"
 
 namespace divemesh::cli {
-namespace {
-
-void print_text(const recording::StillsImport& stills,
-                const recording::ImportCounts& counts,
-                const std::filesystem::path& out) {
-    for (const Finding& finding : stills.findings()) std::cout << finding_text(finding);
-    std::cout << out.string() << ": " << counts.num_left << " left and " << counts.num_right
-              << " right images (" << stills.sides().rule << "), " << counts.num_imu
-              << " IMU rows, " << counts.num_pressures << " depths\n";
-}
-
-void print_json(const recording::StillsImport& stills, const recording::ImportCounts& counts) {
-    std::cout << nlohmann::json{{"cameras", stills.sides().rule},
-                                {"findings", stills.findings()},
-                                {"num_left", counts.num_left},
-                                {"num_right", counts.num_right},
-                                {"num_imu", counts.num_imu},
-                                {"num_pressures", counts.num_pressures}}
-                     .dump(2)
-              << '\n';
-}
-
-}  // namespace
-
 std::shared_ptr<recording::StillsOptions> add_stills_options(CLI::App& command) {
     auto stills = std::make_shared<recording::StillsOptions>();
     const auto set_unit = [stills](const std::string& name) {
@@ -67,10 +42,13 @@ int import_stills(const std::vector<std::filesystem::path>& folders,
     options.imu = common.topics.imu;
     recording::StillsImport imported(options, progress);
     const recording::ImportCounts counts = imported.write(progress);
-    if (context.json)
-        print_json(imported, counts);
-    else
-        print_text(imported, counts, options.out);
+    if (context.json) {
+        nlohmann::json json = imported_json(counts, imported.findings());
+        json["cameras"] = imported.sides().rule;
+        std::cout << json.dump(2) << '\n';
+    } else {
+        std::cout << imported_text(counts, imported.findings(), options.out, imported.sides().rule);
+    }
     return kExitDone;
 }
 

@@ -5,12 +5,11 @@
 #include <string>
 
 #include "cli/exit_code.hpp"
-#include "cli/findings_text.hpp"
 #include "cli/follow.hpp"
+#include "cli/imported_text.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/text.hpp"
-#include "schemas/json.hpp"
 #include "worker/base/text.hpp"
 
 namespace divemesh::cli {
@@ -81,6 +80,7 @@ int import_video(const std::vector<std::filesystem::path>& videos,
     options.out = common.out;
     options.calibration = common.calibration;
     options.metres_per_unit = common.metres_per_unit;
+    options.imu = common.topics.imu;
     catch_interrupts();
     ProgressBar bar;
     const auto progress = [&](const Progress& state) {
@@ -91,18 +91,12 @@ int import_video(const std::vector<std::filesystem::path>& videos,
     if (!context.json) std::cout << videos_text(imported) << std::flush;
     const recording::ImportCounts counts = imported.write(progress);
     if (context.json) {
-        std::cout << nlohmann::json{{"videos", videos_json(imported)},
-                                    {"findings", imported.findings()},
-                                    {"num_left", counts.num_left},
-                                    {"num_right", counts.num_right},
-                                    {"num_imu", counts.num_imu}}
-                         .dump(2)
-                  << '\n';
+        nlohmann::json json = imported_json(counts, imported.findings());
+        json["videos"] = videos_json(imported);
+        std::cout << json.dump(2) << '\n';
         return kExitDone;
     }
-    for (const Finding& finding : imported.findings()) std::cout << finding_text(finding);
-    std::cout << options.out.string() << ": " << counts.num_left << " left and " << counts.num_right
-              << " right images, " << counts.num_imu << " IMU rows\n";
+    std::cout << imported_text(counts, imported.findings(), options.out);
     return kExitDone;
 }
 

@@ -11,7 +11,7 @@
 
 namespace divemesh::recording {
 
-// What is known of the images for which a calibration is read.
+// Tells what is known of the images that a calibration is for.
 struct RigHints {
     Rectification rectification = Rectification::Raw;
     std::vector<double> resolution;  // width and height, px; {}: not known

@@ -264,7 +264,7 @@ void VideoImport::write_batch(const std::vector<VideoPair>& batch,
 void VideoImport::write_imu(const video::ClockOffset& clock, DiveWriter& writer) {
     const bool is_left = videos_.front().index.traits.has_gpmf;
     const auto& video = is_left ? videos_.front() : videos_.back();
-    if (!video.index.traits.has_gpmf) return;
+    if (!video.index.traits.has_gpmf || options_.imu == "none") return;
     const video::GpmfImu imu = video::imu_of(video.index.gpmf);
     if (imu.is_damaged)
         findings_.warning("telemetry_damaged",

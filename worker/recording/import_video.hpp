@@ -23,6 +23,7 @@ struct VideoImportOptions {
     std::optional<double> offset_s;  // of a moment: its time in the left video minus in the right
     std::vector<std::filesystem::path> calibration;  // as read_rig() takes them
     std::optional<double> metres_per_unit;           // of T in them
+    std::string imu;                                 // "none": the telemetry is left out
     std::filesystem::path out;                       // folder of the dive, which must not exist
 };
 

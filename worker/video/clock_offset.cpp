@@ -49,7 +49,7 @@ void whiten(cv::Mat& spectrum) {
     for (int i = 0; i < spectrum.cols; ++i) {
         cv::Vec2f& value = spectrum.at<cv::Vec2f>(i);
         const double size = cv::norm(value);
-        // What is a thousandth of the mean is rounding alone.
+        // Leaves out values below a thousandth of the mean, which are rounding alone.
         value = size > 1e-3 * mean ? value * (1.0 / size) : cv::Vec2f(0.0F, 0.0F);
     }
 }

@@ -68,7 +68,7 @@ std::optional<VideoFrame> VideoReader::decoded() {
         if (code < 0) continue;
         const auto stamp = stamp_ns(frame_->best_effort_timestamp, *file_.video());
         if (!stamp || chosen_.erase(*stamp) == 0) continue;
-        // Of a packet that the file cut off, the decoder makes up the rest.
+        // Skips a frame of which the decoder made up a part, as the file cut its packet off.
         if ((frame_->flags & AV_FRAME_FLAG_CORRUPT) != 0) continue;
         if (frame_->width != traits().width_px || frame_->height != traits().height_px) continue;
         cv::Mat pixels = converter_.convert(*frame_, traits().rotation_deg);

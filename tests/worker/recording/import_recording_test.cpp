@@ -12,8 +12,8 @@
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "tests/paths.hpp"
-#include "tests/temporary_folder.hpp"
 #include "tests/worker/recording/bag_writer.hpp"
+#include "tests/worker/recording/import_fixture.hpp"
 #include "tests/worker/recording/message_writer.hpp"
 #include "worker/dive/csv.hpp"
 #include "worker/dive/dive.hpp"
@@ -42,7 +42,7 @@ std::string grey_pixels(std::uint32_t num_pixels) {
     return pixels;
 }
 
-class ImportRecordingTest : public testing::Test {
+class ImportRecordingTest : public ImportFixture<RecordingImport, ImportOptions> {
 protected:
     ImportOptions options_for(const std::string& bytes) {
         std::ofstream(folder_ / "recording", std::ios::binary) << bytes;
@@ -51,31 +51,6 @@ protected:
         options.out = folder_ / "dive";
         return options;
     }
-    ImportCounts imported(const ImportOptions& options) {
-        RecordingImport recorded(options, base::ignore_progress);
-        const ImportCounts counts = recorded.write(base::ignore_progress);
-        findings_ = recorded.findings();
-        return counts;
-    }
-    std::string refusal_of(const ImportOptions& options) {
-        try {
-            imported(options);
-            ADD_FAILURE() << "it was not refused";
-        } catch (const Error& error) {
-            EXPECT_FALSE(fs::exists(options.out));
-            EXPECT_FALSE(fs::exists(options.out.string() + ".partial"));
-            return error.what();
-        }
-        return "";
-    }
-    bool has_code(const std::string& code) const {
-        for (const Finding& finding : findings_)
-            if (finding.code == code) return true;
-        return false;
-    }
-
-    TemporaryFolder folder_;
-    std::vector<Finding> findings_;
 };
 
 // The first frames of a shared dive and its IMU, as messages.

@@ -11,8 +11,8 @@
 
 #include "schemas/error.hpp"
 #include "tests/paths.hpp"
-#include "tests/temporary_folder.hpp"
 #include "tests/worker/recording/exif_writer.hpp"
+#include "tests/worker/recording/import_fixture.hpp"
 #include "worker/base/atomic_file.hpp"
 #include "worker/dive/csv.hpp"
 #include "worker/dive/dive.hpp"
@@ -68,7 +68,7 @@ std::string padded(int number, int width = 6) {
 // The images of a dive's camera by their times.
 using Images = std::map<std::int64_t, std::string>;
 
-class ImportStillsTest : public testing::Test {
+class ImportStillsTest : public ImportFixture<StillsImport, StillsOptions> {
 protected:
     ImportStillsTest() {
         put(calibration() / "cam0" / "sensor.yaml", sensor_yaml(0.0));
@@ -82,22 +82,6 @@ protected:
         options.out = folder_ / "dive";
         options.calibration = {calibration()};
         return options;
-    }
-    ImportCounts imported(const StillsOptions& options) {
-        StillsImport stills(options, base::ignore_progress);
-        const ImportCounts counts = stills.write(base::ignore_progress);
-        findings_ = stills.findings();
-        return counts;
-    }
-    std::string refusal_of(const StillsOptions& options) {
-        try {
-            imported(options);
-            ADD_FAILURE() << "it was not refused";
-        } catch (const Error& error) {
-            EXPECT_FALSE(fs::exists(options.out));
-            return error.what();
-        }
-        return "";
     }
     Images images_of(const char* camera) const {
         Images images;
@@ -130,9 +114,6 @@ protected:
         expect_images("cam0", [](int i) { return png(0, i); });
         expect_images("cam1", [](int i) { return png(1, i); });
     }
-
-    TemporaryFolder folder_;
-    std::vector<Finding> findings_;
 };
 
 TEST_F(ImportStillsTest, TwoFoldersOfASharedDiveKeepTheirBytesAndTimes) {

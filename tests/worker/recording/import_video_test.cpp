@@ -11,7 +11,7 @@
 #include <sstream>
 
 #include "schemas/error.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/worker/recording/import_fixture.hpp"
 #include "tests/worker/video/gpmf_writer.hpp"
 #include "tests/worker/video/video_writer.hpp"
 #include "worker/dive/sensor_tables.hpp"
@@ -37,7 +37,7 @@ cv::Mat noise_image(int width_px, int height_px, int seed) {
     return image;
 }
 
-class ImportVideoTest : public testing::Test {
+class ImportVideoTest : public ImportFixture<VideoImport, VideoImportOptions> {
 protected:
     ImportVideoTest() {
         write_yaml("cam0", "0.0");
@@ -88,30 +88,10 @@ protected:
         return options;
     }
 
+    // Imports in place of an earlier dive.
     ImportCounts imported(const VideoImportOptions& options) {
         fs::remove_all(options.out);
-        VideoImport import(options, base::ignore_progress);
-        const ImportCounts counts = import.write(base::ignore_progress);
-        findings_ = import.findings();
-        return counts;
-    }
-
-    std::string refusal_of(const VideoImportOptions& options) {
-        try {
-            imported(options);
-            ADD_FAILURE() << "it was not refused";
-        } catch (const Error& error) {
-            EXPECT_FALSE(fs::exists(options.out));
-            EXPECT_FALSE(fs::exists(options.out.string() + ".partial"));
-            return error.what();
-        }
-        return "";
-    }
-
-    bool has_code(const std::string& code) const {
-        for (const Finding& finding : findings_)
-            if (finding.code == code) return true;
-        return false;
+        return ImportFixture::imported(options);
     }
 
     // Expects an image of the dive to have the pixels of another one.
@@ -122,9 +102,6 @@ protected:
         ASSERT_EQ(image.size(), truth.size()) << file;
         EXPECT_EQ(cv::norm(image, truth, cv::NORM_INF), 0.0) << file;
     }
-
-    TemporaryFolder folder_;
-    std::vector<Finding> findings_;
 };
 
 TEST_F(ImportVideoTest, LosslessVideosAreDivesOfTheSamePixelsAtTheirTimes) {
@@ -199,6 +176,11 @@ TEST_F(ImportVideoTest, TheTelemetryOfAGoProIsTheImu) {
     EXPECT_TRUE(has_code("imu_left_out"));
     write_imu_yaml();
     const auto options = options_for({left, right});
+    VideoImportOptions without = options;
+    without.imu = "none";
+    without.out = folder_ / "without";
+    EXPECT_EQ(imported(without).num_imu, 0);
+    EXPECT_FALSE(has_code("imu_left_out"));
     EXPECT_GE(imported(options).num_imu, 599);
     dive::FindingLog findings;
     const auto imu =

@@ -21,7 +21,7 @@ constexpr int kSound_hz = 48000;
 
 void no_progress(const Progress&) {}
 
-// What is to be heard in a dive: noise that swells with breaths and bubbles, at any time.
+// Gives the sound of a dive at any time: noise that swells with breaths and bubbles.
 class Scene {
 public:
     explicit Scene(double duration_s) {

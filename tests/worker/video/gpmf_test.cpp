@@ -25,7 +25,7 @@ TEST(GpmfTest, TheExampleOfTheDescriptionIsReadWithItsScale) {
 }
 
 TEST(GpmfTest, AxesAndSignsAreThoseOfOrin) {
-    // Of a HERO7, "YxZ" means Y, minus X, Z.
+    // "YxZ" of a HERO7 means Y, minus X, Z.
     const auto motion =
         parse_gpmf(device(sensor_stream("GYRO", 1, "YxZ", 2, {1, 2, 3, 10, 20, 30})));
     ASSERT_EQ(motion.gyroscope.values.size(), 2U);

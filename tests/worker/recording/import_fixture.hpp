@@ -1,0 +1,48 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "schemas/error.hpp"
+#include "schemas/finding.hpp"
+#include "tests/temporary_folder.hpp"
+#include "worker/recording/import_recording.hpp"
+
+namespace divemesh::recording {
+
+// What the tests of an importer share: a folder, and what the last import found.
+template <typename Importer, typename Options>
+class ImportFixture : public testing::Test {
+protected:
+    ImportCounts imported(const Options& options) {
+        Importer importer(options, base::ignore_progress);
+        const ImportCounts counts = importer.write(base::ignore_progress);
+        findings_ = importer.findings();
+        return counts;
+    }
+    // Returns why an import is refused; expects that it leaves nothing.
+    std::string refusal_of(const Options& options) {
+        try {
+            imported(options);
+            ADD_FAILURE() << "it was not refused";
+        } catch (const Error& error) {
+            EXPECT_FALSE(std::filesystem::exists(options.out));
+            EXPECT_FALSE(std::filesystem::exists(options.out.string() + ".partial"));
+            return error.what();
+        }
+        return "";
+    }
+    bool has_code(const std::string& code) const {
+        for (const Finding& finding : findings_)
+            if (finding.code == code) return true;
+        return false;
+    }
+
+    TemporaryFolder folder_;
+    std::vector<Finding> findings_;
+};
+
+}  // namespace divemesh::recording
