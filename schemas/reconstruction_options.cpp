@@ -38,6 +38,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("voxel_m", options.voxel_m, "edge of all voxels, m; 0: chosen locally from rig and range");
     visit("max_depth_m", options.max_depth_m, "max depth that is fused, m; 0: from the rig. Less where segments of the dive would meet");
     visit("cloud_spacing_m", options.cloud_spacing_m, "distance between the points of the cloud, m; 0: half a voxel");
+    visit("fill_across_frames", options.fill_across_frames, "measure depth across frames where a pair alone has none");
     visit("max_sigma_m", options.max_sigma_m, "max standard deviation of a vertex, m; less certain surface is removed, before what contradicts the scale is added; 0: no limit");
     visit("simplify", options.simplify, "share of the triangles to keep, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error at which simplification stops, m; 0: no limit");
@@ -182,6 +183,7 @@ ReconstructionOptions preset_options(std::string_view preset) {
     if (preset == "accurate") {
         options.num_features = 500;
         options.map_step = 0.01;
+        options.fill_across_frames = true;
         return options;
     }
     throw Error(

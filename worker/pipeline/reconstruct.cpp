@@ -184,7 +184,8 @@ FusedMap fuse(const FramesToFuse& input,
                    : std::ldexp(settings.median_voxel_m(),
                                 fusion::relative_level(input.rig, median_m, depth_m));
     };
-    DepthViewPrefetcher views(input.rig, voxel_at, frames, input.store, task_pool);
+    DepthViewPrefetcher views(
+        input.rig, voxel_at, frames, input.store, options.fill_across_frames, task_pool);
     // Declared after the map, so that it ends first, also if progress() throws.
     base::BackgroundTask cloud(task_pool);
     for (std::size_t i = 0; i < frames.size(); ++i) {
