@@ -211,7 +211,7 @@ TEST(LensModelTest, AChangedLensMovesRaysAsItsDerivativesSay) {
         change[0].values << 2e-4, 0.1, -0.08, 2e-4, -1e-4;
         const Rerectifier rerectifier(rig, rectified, change);
         const auto lenses = rectified_lenses(rig);
-        for (const Eigen::Vector2d pixel : {Eigen::Vector2d(60, 50), Eigen::Vector2d(500, 400)}) {
+        for (const Eigen::Vector2d& pixel : {Eigen::Vector2d(60, 50), Eigen::Vector2d(500, 400)}) {
             const Eigen::Vector2d moved = rerectifier.back(0, pixel) - pixel;
             const Eigen::Vector2d by_derivatives =
                 shift_of_change(rectified, lenses[0], pixel) * change[0].values;
