@@ -26,9 +26,8 @@ inline Eigen::Vector2d undistort_double_sphere(const types::LensCoefficients& k,
     const double alpha = k[1];
     const Eigen::Vector2d m = d / (1.0 + xi);
     const double r2 = m.squaredNorm();
-    const double z =
-        (1.0 - alpha * alpha * r2) /
-        (alpha * std::sqrt(std::max(0.0, 1.0 - (2.0 * alpha - 1.0) * r2)) + (1.0 - alpha));
+    const double root = std::sqrt(std::max(0.0, 1.0 - (2.0 * alpha - 1.0) * r2));
+    const double z = (1.0 - alpha * alpha * r2) / std::max(1e-12, alpha * root + (1.0 - alpha));
     const double scale =
         (z * xi + std::sqrt(std::max(0.0, z * z + (1.0 - xi * xi) * r2))) / (z * z + r2);
     return normalised({scale * m.x(), scale * m.y(), scale * z - xi});

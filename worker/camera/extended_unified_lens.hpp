@@ -18,9 +18,8 @@ inline Eigen::Vector2d undistort_extended_unified(const types::LensCoefficients&
                                                   const Eigen::Vector2d& d) {
     const double alpha = k[0];
     const double r2 = k[1] * d.squaredNorm();
-    const double z =
-        (1.0 - alpha * alpha * r2) /
-        (alpha * std::sqrt(std::max(0.0, 1.0 - (2.0 * alpha - 1.0) * r2)) + (1.0 - alpha));
+    const double root = std::sqrt(std::max(0.0, 1.0 - (2.0 * alpha - 1.0) * r2));
+    const double z = (1.0 - alpha * alpha * r2) / std::max(1e-12, alpha * root + (1.0 - alpha));
     return normalised({d.x(), d.y(), z});
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <opencv2/calib3d.hpp>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "worker/camera/projection.hpp"
@@ -186,12 +187,24 @@ TEST(LensModelTest, ExtendedUnifiedGoesOverAnEllipsoid) {
 
 // A pixel far outside what the lens sees has a ray within 85 degrees, to the same side.
 TEST(LensModelTest, RaysOfFisheyesEndAt85Degrees) {
-    for (const types::Camera& camera : cameras()) {
+    auto all = cameras();
+    for (const auto& [distortion, k] :
+         {std::pair(Distortion::DoubleSphere, types::LensCoefficients{0.0, 1.0}),
+          std::pair(Distortion::DoubleSphere, types::LensCoefficients{-0.9, 1.0}),
+          std::pair(Distortion::DoubleSphere, types::LensCoefficients{1.0, 0.0}),
+          std::pair(Distortion::ExtendedUnified, types::LensCoefficients{1.0, 1.0}),
+          std::pair(Distortion::ExtendedUnified, types::LensCoefficients{0.0, 1e-3}),
+          std::pair(Distortion::Omnidirectional, types::LensCoefficients{20.0}),
+          std::pair(Distortion::Omnidirectional, types::LensCoefficients{-0.9})})
+        all.push_back({640, 480, 300.0, 300.0, 320.0, 240.0, distortion, k});
+    for (const types::Camera& camera : all) {
         if (!lens_model(camera.distortion).is_fisheye) continue;
-        const Eigen::Vector3d ray = unproject(camera, {camera.cx_px + 1e5, camera.cy_px});
-        EXPECT_LE(std::atan(ray.head<2>().norm()), kMaxFisheyeAngle_rad + 1e-9);
-        EXPECT_GE(ray.x(), 0.0);
-        EXPECT_TRUE(ray.allFinite());
+        for (const double beside_px : {0.0, 299.0, 300.0, 301.0, 600.0, 1e5, 1e9}) {
+            const Eigen::Vector3d ray = unproject(camera, {camera.cx_px + beside_px, camera.cy_px});
+            EXPECT_LE(std::atan(ray.head<2>().norm()), kMaxFisheyeAngle_rad + 1e-9);
+            EXPECT_GE(ray.x(), 0.0);
+            EXPECT_TRUE(ray.allFinite());
+        }
     }
 }
 
