@@ -47,7 +47,7 @@ struct ReconstructionOptions {
     double voxel_m = 0.0;                 // 0: chosen locally from rig and range
     double max_depth_m = 0.0;             // 0: chosen from the rig
     double cloud_spacing_m = 0.0;         // between the points of the cloud; 0: half a voxel
-    // Depth by the frames around: off, refine (what pairs measured) or fill (and what they did not).
+    // Depth by the frames around: off, refine (what pairs measured), fill (what they did not too).
     std::string across_frames = "refine";
     // mesh: step 8
     double max_sigma_m = 0.0;     // of a vertex; less certain surface is removed; 0: no limit
