@@ -7,6 +7,7 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "worker/base/hashed_random.hpp"
 #include "worker/stereo/disparity_sigma.hpp"
 #include "worker/stereo/speckles.hpp"
 
@@ -80,17 +81,9 @@ cv::Mat reduced(const cv::Mat& image, const types::RectifiedRig& rig, int step_p
     return values;
 }
 
-// Returns a number that depends on the pixel and the round alone, -1 to 1.
-float hashed(int u, int v, int round) {
-    auto h = static_cast<std::uint32_t>(u) * 0x9E3779B1U ^
-             static_cast<std::uint32_t>(v) * 0x85EBCA77U ^
-             static_cast<std::uint32_t>(round) * 0xC2B2AE3DU;
-    h ^= h >> 15;
-    h *= 0x2C1B3C6DU;
-    h ^= h >> 12;
-    h *= 0x297A2D39U;
-    h ^= h >> 15;
-    return static_cast<float>(h) / 2147483648.0F - 1.0F;
+// Returns a number that depends on the pixel and the attempt alone, -1 to 1.
+float random_at(int u, int v, int attempt) {
+    return static_cast<float>(2.0 * base::to_unit(base::hash64(u, v, attempt)) - 1.0);
 }
 
 // The window around a pixel: the samples, their weights and moments.
@@ -347,18 +340,18 @@ private:
             }
         }
         attempt({0.5F * (min_disparity_px_ + max_disparity_px_ +
-                         hashed(u, v, round) * (max_disparity_px_ - min_disparity_px_)),
+                         random_at(u, v, round) * (max_disparity_px_ - min_disparity_px_)),
                  0.0F,
                  0.0F});
         if (cost >= 1.0F) return;
         float reach = 0.5F;
         for (int i = 0; i < 3; ++i, reach *= 0.4F) {
             Plane moved = plane;
-            moved.disparity_px += reach * hashed(u, v, 16 * round + 4 * i + 5);
+            moved.disparity_px += reach * random_at(u, v, 16 * round + 4 * i + 5);
             attempt(moved);
             moved = plane;
-            moved.slope_u += 0.2F * reach * hashed(u, v, 16 * round + 4 * i + 6);
-            moved.slope_v += 0.2F * reach * hashed(u, v, 16 * round + 4 * i + 7);
+            moved.slope_u += 0.2F * reach * random_at(u, v, 16 * round + 4 * i + 6);
+            moved.slope_v += 0.2F * reach * random_at(u, v, 16 * round + 4 * i + 7);
             attempt(moved);
         }
     }
