@@ -17,7 +17,8 @@ const std::map<std::string, std::string> kOtherWords = {{"stereo", "block"},
                                                         {"fusion", "octree"},
                                                         {"mesher", "marching_cubes"},
                                                         {"marker_family", "tag25h9"},
-                                                        {"exports", "kitti"}};
+                                                        {"exports", "kitti"},
+                                                        {"across_frames", "off"}};
 
 // Returns a valid value of an option that differs from `value`.
 nlohmann::json other_value(const std::string& name, const nlohmann::json& value) {
