@@ -317,7 +317,7 @@ TEST_F(ImportRecordingTest, ACalibrationThatDoesNotFitIsRefusedWithWhatToDo) {
         [](InfoPair& pair) { pair.baseline_m = -0.12; },
         [](InfoPair& pair) { pair.model = "a\ncamera_model: b"; },
         [](InfoPair& pair) { pair.distortion.assign(1000, 0.5); },
-        [](InfoPair& pair) { pair.distortion[4] = 0.5; },
+        [](InfoPair& pair) { pair.distortion.assign(12, 0.01); },  // thin prism
         [](InfoPair& pair) { pair.distortion[0] = std::nan(""); },
         [](InfoPair& pair) { pair.width_px = 640; }};
     for (std::size_t i = 0; i < faults.size(); ++i) {
