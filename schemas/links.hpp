@@ -2,8 +2,8 @@
 
 namespace divemesh {
 
-// What is done with symbolic links inside a folder. A link may lead to any file that the process
-// can read, so they are followed only in folders that the user of this machine names.
+// Says what happens to symbolic links inside a folder. A link may lead to any file that the process
+// can read, so links are followed only in folders that the user of this machine names.
 enum class Links { LeaveOut, Follow };
 
 }  // namespace divemesh

@@ -5,8 +5,8 @@
 namespace divemesh::dive {
 namespace {
 
-// Of pinhole cameras with distortion and of omnidirectional ones, as OpenCV and Kalibr write them;
-// fewer say that a file is damaged.
+// OpenCV and Kalibr write at least so many for pinhole cameras with distortion and omnidirectional
+// ones; fewer say that a file is damaged.
 constexpr std::size_t kMinCoefficients = 4;
 
 bool is_without_distortion(const SensorYaml& yaml) {

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::string_view kEnding = ".npy";
 constexpr int kMaxArrays = 1000;
-// Of one array. Larger ones hold corners of boards, and are passed over unread.
+// Limits one array. Larger ones hold corners of boards, and are passed over unread.
 constexpr std::size_t kMaxArray_bytes = std::size_t{64} << 10U;
 constexpr std::size_t kMaxName_bytes = 100;
 

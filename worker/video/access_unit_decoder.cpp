@@ -8,7 +8,7 @@
 namespace divemesh::video {
 namespace {
 
-// Of threads a decoder holds back as many frames, each as large as the stream states.
+// A decoder holds back a frame for each thread, each as large as the stream states.
 constexpr int kThreads = 1;
 // A unit of an image of 64 megapixels is smaller, and the decoder copies it.
 constexpr std::size_t kMaxUnit_bytes = std::size_t{64} << 20U;

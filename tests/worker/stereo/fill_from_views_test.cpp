@@ -67,7 +67,7 @@ TEST(FillFromViews, FillsNothingWhereThereIsNoTexture) {
     EXPECT_EQ(cv::countNonZero(scene.depth.disparity_px(beyond_windows)), 0);
 }
 
-// What is seen there moves: the frames around show another texture each.
+// The frames around show another texture each, as of something that moves.
 TEST(FillFromViews, FillsNothingWhereTheFramesDisagree) {
     Scene scene(textured);
     double shift_m = 50.0;
@@ -80,7 +80,7 @@ TEST(FillFromViews, FillsNothingWhereTheFramesDisagree) {
     EXPECT_LT(scene.fill(), kHole.area() / 100);
 }
 
-// Of stripes along the motion of the cameras every disparity fits.
+// Every disparity fits stripes along the motion of the cameras.
 TEST(FillFromViews, FillsNothingThatSlidesAlong) {
     Scene scene([](double, double y_m) { return textured(0.0, y_m); });
     for (std::size_t i = 0; i < scene.neighbours.size(); ++i) {
