@@ -1,0 +1,191 @@
+#include "worker/boards/find_board.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <opencv2/calib3d.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "worker/markers/find_tags.hpp"
+
+namespace divemesh::boards {
+namespace {
+
+constexpr double kSearchWidth_px =
+    1000.0;                           // wider images are searched at a smaller size: 10 x faster
+constexpr double kWindowShare = 0.3;  // of the distance to the next corner
+constexpr int kMinWindow_px = 2;
+constexpr int kMaxWindow_px = 10;
+
+// Returns the half size of the window around a corner in which no other corner lies.
+int window_px(double nearest_px) {
+    return std::clamp(static_cast<int>(kWindowShare * nearest_px), kMinWindow_px, kMaxWindow_px);
+}
+
+// Moves a point to the saddle of brightness next to it. Returns false if there is none.
+bool refine(const cv::Mat& image, int half_px, cv::Point2f& point) {
+    const auto border = static_cast<float>(half_px + 2);
+    if (point.x < border || point.y < border ||
+        point.x > static_cast<float>(image.cols) - 1.0F - border ||
+        point.y > static_cast<float>(image.rows) - 1.0F - border)
+        return false;
+    std::vector<cv::Point2f> points = {point};
+    cv::cornerSubPix(image,
+                     points,
+                     {half_px, half_px},
+                     {-1, -1},
+                     {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 50, 1e-4});
+    const cv::Point2f moved = points[0] - point;
+    if (std::hypot(moved.x, moved.y) > static_cast<float>(half_px)) return false;
+    point = points[0];
+    return true;
+}
+
+// Returns the distance from a corner to the nearest of its neighbours in the grid.
+double nearest_px(const std::vector<cv::Point2f>& points, int corner, const Board& board) {
+    const int columns = board.num_columns;
+    const int column = corner % columns;
+    const int row = corner / columns;
+    double nearest = std::numeric_limits<double>::max();
+    for (const auto& [dx, dy] : {std::pair(-1, 0), {1, 0}, {0, -1}, {0, 1}}) {
+        if (column + dx < 0 || column + dx >= columns) continue;
+        if (row + dy < 0 || row + dy >= board.num_rows) continue;
+        const cv::Point2f step = points[static_cast<std::size_t>(corner + dx + dy * columns)] -
+                                 points[static_cast<std::size_t>(corner)];
+        nearest = std::min(nearest, static_cast<double>(std::hypot(step.x, step.y)));
+    }
+    return nearest;
+}
+
+// Returns the board as the camera sees its face, not mirrored: x to y is clockwise in the image.
+void unmirror(std::vector<cv::Point2f>& points, const Board& board) {
+    const auto columns = static_cast<std::ptrdiff_t>(board.num_columns);
+    const cv::Point2f along_row = points[static_cast<std::size_t>(columns - 1)] - points.front();
+    const cv::Point2f along_column =
+        points[points.size() - static_cast<std::size_t>(columns)] - points.front();
+    if (along_row.cross(along_column) >= 0.0F) return;
+    for (auto row = points.begin(); row != points.end(); row += columns)
+        std::reverse(row, row + columns);
+}
+
+BoardCorners find_checkerboard(const cv::Mat& image, const Board& board) {
+    cv::theRNG().state = 1;  // the search draws from the thread's random numbers
+    const double scale = std::min(1.0, kSearchWidth_px / image.cols);
+    cv::Mat searched = image;
+    if (scale < 1.0) cv::resize(image, searched, {}, scale, scale, cv::INTER_AREA);
+    std::vector<cv::Point2f> points;
+    if (!cv::findChessboardCornersSB(searched,
+                                     {board.num_columns, board.num_rows},
+                                     points,
+                                     cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_EXHAUSTIVE) ||
+        static_cast<int>(points.size()) != board.num_corners())
+        return {};
+    for (cv::Point2f& point : points) {
+        point.x = (point.x + 0.5F) / static_cast<float>(scale) - 0.5F;
+        point.y = (point.y + 0.5F) / static_cast<float>(scale) - 0.5F;
+    }
+    unmirror(points, board);
+    const std::vector<cv::Point2f> found = points;
+    BoardCorners corners;
+    for (int i = 0; i < board.num_corners(); ++i) {
+        cv::Point2f& point = points[static_cast<std::size_t>(i)];
+        if (!refine(image, window_px(nearest_px(found, i, board)), point)) continue;
+        corners.push_back({i, {point.x, point.y}});
+    }
+    return corners;
+}
+
+// Returns the number of a tag's corner in the grid: the first tag is at the lower left.
+int grid_corner(const Board& board, int tag, std::size_t tag_corner) {
+    const bool is_right = tag_corner == 1 || tag_corner == 2;
+    const bool is_upper = tag_corner >= 2;
+    const int column = 2 * (tag % board.num_columns) + (is_right ? 1 : 0);
+    const int row = 2 * (tag / board.num_columns) + (is_upper ? 1 : 0);
+    return row * board.num_corner_columns() + column;
+}
+
+// Returns true if another tag has the same number: one of them is not of the board.
+bool is_repeated(const std::vector<markers::Tag>& tags, std::size_t i) {
+    return (i > 0 && tags[i - 1].id == tags[i].id) ||
+           (i + 1 < tags.size() && tags[i + 1].id == tags[i].id);
+}
+
+BoardCorners find_april_grid(const cv::Mat& image, const Board& board) {
+    const std::vector<markers::Tag> tags = markers::find_tags(image, dive::MarkerFamily::Tag36h11);
+    const double gap = board.column_step_m / board.tag_size_m - 1.0;
+    BoardCorners corners;
+    for (std::size_t i = 0; i < tags.size(); ++i) {
+        const markers::Tag& tag = tags[i];
+        if (tag.id >= board.num_columns * board.num_rows || is_repeated(tags, i)) continue;
+        for (std::size_t k = 0; k < dive::kNumTagCorners; ++k) {
+            const Eigen::Vector2d& corner = tag.corners_px[k];
+            const double edge_px = std::min((tag.corners_px[(k + 1) % 4] - corner).norm(),
+                                            (tag.corners_px[(k + 3) % 4] - corner).norm());
+            cv::Point2f point(static_cast<float>(corner.x()), static_cast<float>(corner.y()));
+            // A cell of the tag is an eighth of its edge, and the gap holds a square.
+            if (!refine(image, window_px(edge_px * std::max(gap, 0.125)), point)) continue;
+            corners.push_back({grid_corner(board, tag.id, k), {point.x, point.y}});
+        }
+    }
+    std::sort(corners.begin(), corners.end(), [](const BoardCorner& a, const BoardCorner& b) {
+        return a.corner < b.corner;
+    });
+    return corners;
+}
+
+// Returns the number of a corner on the board turned by 90 degrees `num_quarters` times.
+int turned(int corner, int num_quarters, const Board& board) {
+    int column = corner % board.num_columns;
+    int row = corner / board.num_columns;
+    int columns = board.num_columns;
+    int rows = board.num_rows;
+    for (int i = 0; i < num_quarters; ++i) {
+        const int before = column;
+        column = rows - 1 - row;
+        row = before;
+        std::swap(columns, rows);
+    }
+    return row * columns + column;
+}
+
+// Returns how much both images differ in where corners of a number are, around their centres.
+double difference_px2(const BoardCorners& left, const BoardCorners& right) {
+    std::vector<std::pair<Eigen::Vector2d, Eigen::Vector2d>> common;
+    Eigen::Vector2d mean = Eigen::Vector2d::Zero();
+    for (std::size_t i = 0, j = 0; i < left.size() && j < right.size();) {
+        if (left[i].corner == right[j].corner) {
+            common.emplace_back(left[i].pixel, right[j].pixel);
+            mean += right[j].pixel - left[i].pixel;
+        }
+        left[i].corner <= right[j].corner ? ++i : ++j;
+    }
+    if (common.empty()) return std::numeric_limits<double>::max();
+    mean /= static_cast<double>(common.size());
+    double sum = 0.0;
+    for (const auto& [a, b] : common) sum += (b - a - mean).squaredNorm();
+    return sum / static_cast<double>(common.size());
+}
+
+}  // namespace
+
+BoardCorners find_board(const cv::Mat& image, const Board& board) {
+    return board.kind == BoardKind::Checkerboard ? find_checkerboard(image, board)
+                                                 : find_april_grid(image, board);
+}
+
+BoardCorners numbered_alike(const BoardCorners& left, BoardCorners right, const Board& board) {
+    if (board.kind != BoardKind::Checkerboard || left.empty() || right.empty()) return right;
+    const bool is_square = board.num_columns == board.num_rows;
+    BoardCorners best = right;
+    for (int quarters = is_square ? 1 : 2; quarters < 4; quarters += is_square ? 1 : 2) {
+        BoardCorners other = right;
+        for (BoardCorner& corner : other) corner.corner = turned(corner.corner, quarters, board);
+        std::sort(other.begin(), other.end(), [](const BoardCorner& a, const BoardCorner& b) {
+            return a.corner < b.corner;
+        });
+        if (difference_px2(left, other) < difference_px2(left, best)) best = std::move(other);
+    }
+    return best;
+}
+
+}  // namespace divemesh::boards
