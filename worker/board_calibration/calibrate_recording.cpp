@@ -1,7 +1,6 @@
 #include "worker/board_calibration/calibrate_recording.hpp"
 
 #include <fstream>
-#include <iterator>
 
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
@@ -57,6 +56,14 @@ recording::RigFiles rig_files(const RigParameters& rig, const Eigen::Isometry3d&
     return files;
 }
 
+// Says so before the work is done.
+void check_is_new(const fs::path& out) {
+    const fs::path yaml = out / "mav0" / "cam0" / "sensor.yaml";
+    if (fs::exists(yaml))
+        throw Error(ErrorCode::Conflict,
+                    yaml.string() + " exists: remove it, or choose another folder by --out");
+}
+
 // Adds what the recording says to what the calibration says.
 void add_findings(const std::vector<Finding>& of_recording, RigVerdict& verdict) {
     verdict.findings.insert(verdict.findings.begin(), of_recording.begin(), of_recording.end());
@@ -66,6 +73,7 @@ void add_findings(const std::vector<Finding>& of_recording, RigVerdict& verdict)
 
 nlohmann::json calibrate_recording(const CalibrationRequest& request,
                                    const base::ProgressCallback& progress) {
+    check_is_new(request.out);
     const boards::Board board = read_board(request.target);
     const boards::BoardRecording recorded(
         recording::as_dive(request.recording, request.scratch, progress),
