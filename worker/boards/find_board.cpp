@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kSearchWidth_px =
     1000.0;                           // wider images are searched at a smaller size: 10 x faster
+constexpr int kMinSide_px = 32;       // smaller images hold no board that can be told
 constexpr double kWindowShare = 0.3;  // of the distance to the next corner
 constexpr int kMinWindow_px = 2;
 constexpr int kMaxWindow_px = 10;
@@ -169,6 +170,7 @@ double difference_px2(const BoardCorners& left, const BoardCorners& right) {
 }  // namespace
 
 BoardCorners find_board(const cv::Mat& image, const Board& board) {
+    if (std::min(image.cols, image.rows) < kMinSide_px) return {};
     return board.kind == BoardKind::Checkerboard ? find_checkerboard(image, board)
                                                  : find_april_grid(image, board);
 }
