@@ -43,7 +43,7 @@ void report_views(const RigEstimate& estimate, dive::FindingLog& findings) {
             "this pair harms and is left out: its corners are " + base::fixed(view.rms_px, 2) +
                 " px off, those of others " + base::fixed(view.median_rms_px, 2) + " px",
             "Hold the board still, and check that both cameras are triggered together.");
-    if (estimate.views.size() < kMinViews)
+    if (estimate.failure.empty() && estimate.views.size() < kMinViews)
         findings.warning("board_few_pairs",
                          "",
                          "only " + std::to_string(estimate.views.size()) +
