@@ -6,7 +6,8 @@
 #include <opencv2/calib3d.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "worker/markers/find_tags.hpp"
+#include "worker/boards/find_april_grid.hpp"
+#include "worker/boards/saddle.hpp"
 
 namespace divemesh::boards {
 namespace {
@@ -15,32 +16,6 @@ constexpr double kSearchWidth_px =
     1000.0;                           // wider images are searched at a smaller size: 10 x faster
 constexpr int kMinSide_px = 32;       // smaller images hold no board that can be told
 constexpr double kWindowShare = 0.3;  // of the distance to the next corner
-constexpr int kMinWindow_px = 2;
-constexpr int kMaxWindow_px = 10;
-
-// Returns the half size of the window around a corner in which no other corner lies.
-int window_px(double nearest_px) {
-    return std::clamp(static_cast<int>(kWindowShare * nearest_px), kMinWindow_px, kMaxWindow_px);
-}
-
-// Moves a point to the saddle of brightness next to it. Returns false if there is none.
-bool refine(const cv::Mat& image, int half_px, cv::Point2f& point) {
-    const auto border = static_cast<float>(half_px + 2);
-    if (point.x < border || point.y < border ||
-        point.x > static_cast<float>(image.cols) - 1.0F - border ||
-        point.y > static_cast<float>(image.rows) - 1.0F - border)
-        return false;
-    std::vector<cv::Point2f> points = {point};
-    cv::cornerSubPix(image,
-                     points,
-                     {half_px, half_px},
-                     {-1, -1},
-                     {cv::TermCriteria::EPS | cv::TermCriteria::COUNT, 50, 1e-4});
-    const cv::Point2f moved = points[0] - point;
-    if (std::hypot(moved.x, moved.y) > static_cast<float>(half_px)) return false;
-    point = points[0];
-    return true;
-}
 
 // Returns the distance from a corner to the nearest of its neighbours in the grid.
 double nearest_px(const std::vector<cv::Point2f>& points, int corner, const Board& board) {
@@ -90,47 +65,9 @@ BoardCorners find_checkerboard(const cv::Mat& image, const Board& board) {
     BoardCorners corners;
     for (int i = 0; i < board.num_corners(); ++i) {
         cv::Point2f& point = points[static_cast<std::size_t>(i)];
-        if (!refine(image, window_px(nearest_px(found, i, board)), point)) continue;
+        if (!move_to_saddle(image, kWindowShare * nearest_px(found, i, board), point)) continue;
         corners.push_back({i, {point.x, point.y}});
     }
-    return corners;
-}
-
-// Returns the number of a tag's corner in the grid: the first tag is at the lower left.
-int grid_corner(const Board& board, int tag, std::size_t tag_corner) {
-    const bool is_right = tag_corner == 1 || tag_corner == 2;
-    const bool is_upper = tag_corner >= 2;
-    const int column = 2 * (tag % board.num_columns) + (is_right ? 1 : 0);
-    const int row = 2 * (tag / board.num_columns) + (is_upper ? 1 : 0);
-    return row * board.num_corner_columns() + column;
-}
-
-// Returns true if another tag has the same number: one of them is not of the board.
-bool is_repeated(const std::vector<markers::Tag>& tags, std::size_t i) {
-    return (i > 0 && tags[i - 1].id == tags[i].id) ||
-           (i + 1 < tags.size() && tags[i + 1].id == tags[i].id);
-}
-
-BoardCorners find_april_grid(const cv::Mat& image, const Board& board) {
-    const std::vector<markers::Tag> tags = markers::find_tags(image, dive::MarkerFamily::Tag36h11);
-    const double gap = board.column_step_m / board.tag_size_m - 1.0;
-    BoardCorners corners;
-    for (std::size_t i = 0; i < tags.size(); ++i) {
-        const markers::Tag& tag = tags[i];
-        if (tag.id >= board.num_columns * board.num_rows || is_repeated(tags, i)) continue;
-        for (std::size_t k = 0; k < dive::kNumTagCorners; ++k) {
-            const Eigen::Vector2d& corner = tag.corners_px[k];
-            const double edge_px = std::min((tag.corners_px[(k + 1) % 4] - corner).norm(),
-                                            (tag.corners_px[(k + 3) % 4] - corner).norm());
-            cv::Point2f point(static_cast<float>(corner.x()), static_cast<float>(corner.y()));
-            // A cell of the tag is an eighth of its edge, and the gap holds a square.
-            if (!refine(image, window_px(edge_px * std::max(gap, 0.125)), point)) continue;
-            corners.push_back({grid_corner(board, tag.id, k), {point.x, point.y}});
-        }
-    }
-    std::sort(corners.begin(), corners.end(), [](const BoardCorner& a, const BoardCorner& b) {
-        return a.corner < b.corner;
-    });
     return corners;
 }
 

@@ -50,6 +50,11 @@ TEST(FindBoardTest, FindsTheCornersOfACheckerboardToAFewHundredthsOfAPixel) {
     EXPECT_LT(rms_px(known_checkerboard(), types::Distortion::RadialTangential), 0.05);
 }
 
+TEST(FindBoardTest, FindsTheCornersOfAnAprilGridToAFewHundredthsOfAPixel) {
+    EXPECT_LT(rms_px(april_grid(), types::Distortion::RadialTangential), 0.05);
+    EXPECT_LT(rms_px(april_grid(), types::Distortion::Equidistant), 0.1);
+}
+
 TEST(FindBoardTest, FindsNothingOnAnEmptyImage) {
     const cv::Mat grey(480, 640, CV_8UC1, cv::Scalar(120));
     EXPECT_TRUE(boards::find_board(grey, known_checkerboard()).empty());

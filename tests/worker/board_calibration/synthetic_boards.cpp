@@ -60,13 +60,12 @@ double april_grid_brightness(const boards::Board& board, const Eigen::Vector2d& 
     if (column < 0 || row < 0 || column > board.num_columns || row > board.num_rows) return kWhite;
     if (x_m < 0.0 || y_m < 0.0) return x_m < 0.0 && y_m < 0.0 ? kBlack : kWhite;
     if (column >= board.num_columns || row >= board.num_rows) return kWhite;
-    const auto layout = markers::tag_layout(dive::MarkerFamily::Tag36h11);
+    // A border of two black cells: the family's tag without its white rim and one more black cell.
     const cv::Mat tag =
         markers::tag_image(dive::MarkerFamily::Tag36h11, row * board.num_columns + column);
-    const double cell_m = board.tag_size_m / layout.size_cells;
-    const int border = (layout.total_cells - layout.size_cells) / 2;
-    const int u = border + static_cast<int>(x_m / cell_m);
-    const int v = border + layout.size_cells - 1 - static_cast<int>(y_m / cell_m);
+    const int u = static_cast<int>(x_m / (0.1 * board.tag_size_m));
+    const int v = 9 - static_cast<int>(y_m / (0.1 * board.tag_size_m));
+    if (std::min(u, v) < 1 || std::max(u, v) > 8) return kBlack;
     return tag.at<std::uint8_t>(v, u) == 0 ? kBlack : kWhite;
 }
 
