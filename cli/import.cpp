@@ -10,6 +10,7 @@
 #include "cli/exit_code.hpp"
 #include "cli/findings_text.hpp"
 #include "cli/follow.hpp"
+#include "cli/import_kind.hpp"
 #include "cli/import_stills.hpp"
 #include "cli/import_video.hpp"
 #include "cli/imported_text.hpp"
@@ -19,6 +20,7 @@
 #include "schemas/json.hpp"
 #include "worker/recording/import_recording.hpp"
 #include "worker/recording/read_rig.hpp"
+#include "worker/recording/recorded_dive.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -32,6 +34,7 @@ struct ImportArguments {
     std::string unit;
     std::optional<std::array<double, 2>> size_px;  // of the images, which the recording tells too
     std::string size;
+    std::vector<std::string> given;  // options of the command line, such as "--left"
 };
 
 constexpr std::array<std::pair<const char*, double>, 3> kUnits_m = {
@@ -41,6 +44,8 @@ constexpr std::array<std::pair<const char*, double>, 3> kUnits_m = {
 void read_words(ImportArguments& arguments) {
     if (arguments.recordings.empty() && arguments.options.calibration.empty())
         throw CLI::RequiredError("recording, or --calibration alone,");
+    if (!arguments.unit.empty() && arguments.options.calibration.empty())
+        throw CLI::RequiredError("--calibration, whose unit --calibration-unit is,");
     for (const auto& [unit, metres] : kUnits_m)
         if (arguments.unit == unit) arguments.options.metres_per_unit = metres;
     int width = 0;
@@ -122,15 +127,37 @@ int import_messages(const recording::ImportOptions& options, const Context& cont
     return kExitDone;
 }
 
+// Returns what the recordings are; nullopt for what none of the imports reads, as they say
+// themselves.
+std::optional<ImportKind> kind_of(const std::vector<std::filesystem::path>& recordings) {
+    if (recordings.empty()) return ImportKind::CalibrationAlone;
+    const std::filesystem::path& first = recordings.front();
+    if (recording::is_image_folder(first)) return ImportKind::Images;
+    if (std::filesystem::is_directory(first)) return ImportKind::Messages;
+    if (recording::is_video_file(first)) return ImportKind::Videos;
+    if (recording::is_recording(first)) return ImportKind::Messages;
+    return std::nullopt;
+}
+
 int run(const ImportArguments& arguments, const Context& context) {
-    if (arguments.recordings.empty()) return write_calibration(arguments, context);
     recording::ImportOptions options = arguments.options;
-    options.recording = arguments.recordings.front();
-    if (recording::is_image_folder(options.recording))
+    if (!arguments.recordings.empty()) options.recording = arguments.recordings.front();
+    const auto kind = kind_of(arguments.recordings);
+    if (kind) check_options_apply(arguments.given, *kind, options.recording.string());
+    if (kind == ImportKind::CalibrationAlone) return write_calibration(arguments, context);
+    if (kind == ImportKind::Images)
         return import_stills(arguments.recordings, options, *arguments.stills, context);
-    if (arguments.recordings.size() > 1 || recording::is_video_file(options.recording))
+    if (kind == ImportKind::Videos || arguments.recordings.size() > 1)
         return import_video(arguments.recordings, options, *arguments.video, context);
     return import_messages(options, context);
+}
+
+// Returns the options of the command line alone: those of the environment and of the configuration
+// are for every import, so they may not apply.
+std::vector<std::string> given_options(const CLI::App& command) {
+    std::vector<std::string> names;
+    for (const CLI::Option* option : command.parse_order()) names.push_back(option->get_name());
+    return names;
 }
 
 }  // namespace
@@ -155,8 +182,9 @@ void add_import(CLI::App& app, Context& context) {
     // clang-format on
     arguments->stills = add_stills_options(*command);
     arguments->video = add_video_options(*command);
-    command->callback([arguments, &context] {
+    command->callback([arguments, &context, command] {
         read_words(*arguments);
+        arguments->given = given_options(*command);
         context.command = [arguments, &context] { return run(*arguments, context); };
     });
 }

@@ -35,6 +35,7 @@ int import_stills(const std::vector<std::filesystem::path>& folders,
     };
     recording::StillsOptions options = stills;
     options.folders = folders;
+    options.links = Links::Follow;
     options.out = common.out;
     options.calibration = common.calibration;
     options.metres_per_unit = common.metres_per_unit;

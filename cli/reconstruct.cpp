@@ -85,6 +85,7 @@ int reconstruct(const ReconstructOptions& options, const Context& context) {
     const ScratchFolder scratch(options.out);
     pipeline::ReconstructionRequest request;
     request.dive = options.dive;
+    request.links = Links::Follow;
     request.out = options.out;
     request.scratch = scratch.path();
     request.resumable = false;  // the folder is removed after this run

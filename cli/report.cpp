@@ -53,6 +53,7 @@ int report_here(const ReportOptions& options, const Context& context) {
     report::AccuracyReportRequest request;
     request.reconstruction = folder;
     request.dive = given(options.dive);
+    request.links = Links::Follow;
     request.out = options.out.empty() ? folder / "accuracy" : options.out;
     request.ground_truth = given(options.ground_truth);
     request.reference = given(options.reference);

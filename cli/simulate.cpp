@@ -15,6 +15,7 @@ struct Words {
     std::string scene = "barge";
     std::string water;
     std::string marker_family = "tag36h11";
+    std::string camera_model = "radial-tangential";
     std::string pauses;
     std::string blue_water;
 };
@@ -37,6 +38,7 @@ void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& 
     command.add_flag("--noise,!--no-noise", options.noise, "noise of images, IMU and AHRS");
     command.add_option("--width-px", options.width_px, "width of the images")->capture_default_str();
     command.add_option("--height-px", options.height_px, "height of the images")->capture_default_str();
+    command.add_option("--camera-model", words.camera_model, "lens of both cameras: none, radial-tangential, equidistant, rational, omnidirectional, double-sphere or extended-unified")->capture_default_str();
     command.add_flag("--png", options.png, "write images as PNG instead of JPEG");
     command.add_option("--jpeg-quality", options.jpeg_quality, "JPEG quality, 1 to 100")->capture_default_str();
     command.add_option("--markers", options.num_markers, "number of AprilTags on the ground along the path (writes markers.json)")->capture_default_str();
@@ -64,6 +66,7 @@ int run(simulator::SimulateOptions options, const Words& words) {
     if (!words.water.empty()) options.water = simulator::water_kind_from_string(words.water);
     options.pauses = simulator::stretches_from_string(words.pauses);
     options.blue_water = simulator::stretches_from_string(words.blue_water);
+    options.lens = simulator::lens_from_string(words.camera_model);
     options.marker_family = dive::marker_family_from_string(words.marker_family);
     catch_interrupts();
     ProgressBar bar;

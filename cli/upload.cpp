@@ -50,10 +50,11 @@ HashedSource open_source(const fs::path& dive, ProgressBar& bar) {
                 dive, [&](const Progress& progress) { bar.show("open", progress.fraction, ""); });
         return {std::move(file), hashes, name};
     }
-    auto tar = std::make_unique<client::DiveTar>(dive);
+    auto tar = std::make_unique<client::DiveTar>(dive, Links::Follow);
     if (!tar->left_out().empty())
         bar.say("warning: " + std::to_string(tar->left_out().size()) +
-                " links or special files are left out; the first is " + tar->left_out().front());
+                " special files, or links that lead to no file, are left out; the first is " +
+                tar->left_out().front());
     const auto hashes = tar->hash(show_bytes(bar, "hash", tar->size_bytes()));
     return {std::move(tar), hashes, name + ".tar"};
 }

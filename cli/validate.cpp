@@ -26,7 +26,7 @@ dive::IntakeReport examine(const fs::path& dive) {
         throw_if_interrupted();
         show_progress(bar, state);
     };
-    return pipeline::examine(dive, scratch.path(), progress);
+    return pipeline::examine(dive, scratch.path(), progress, Links::Follow);
 }
 
 int validate(const fs::path& dive, const Context& context) {

@@ -38,7 +38,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("voxel_m", options.voxel_m, "edge of all voxels, m; 0: chosen locally from rig and range");
     visit("max_depth_m", options.max_depth_m, "max depth that is fused, m; 0: from the rig. Less where segments of the dive would meet");
     visit("cloud_spacing_m", options.cloud_spacing_m, "distance between the points of the cloud, m; 0: half a voxel");
-    visit("fill_across_frames", options.fill_across_frames, "measure depth across frames where a pair alone has none");
+    visit("across_frames", options.across_frames, "depth by the frames around, whose baselines are longer: off, refine (what pairs measured) or fill (every pixel, and what pairs could not measure)");
     visit("max_sigma_m", options.max_sigma_m, "max standard deviation of a vertex, m; less certain surface is removed, before what contradicts the scale is added; 0: no limit");
     visit("simplify", options.simplify, "share of the triangles to keep, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error at which simplification stops, m; 0: no limit");
@@ -105,6 +105,7 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
     faults.require_one_of("estimator", options.estimator, {"pairwise", "window"});
     faults.require_one_of("fusion", options.fusion, {"octree", "tsdf"});
     faults.require_one_of("correct_scale", options.correct_scale, {"auto", "on", "off"});
+    faults.require_one_of("across_frames", options.across_frames, {"off", "refine", "fill"});
     faults.require_one_of("mesher", options.mesher, {"surface_nets", "marching_cubes"});
     faults.require(options.num_disparities_px >= 16 && options.num_disparities_px <= 512 &&
                        options.num_disparities_px % 16 == 0,
@@ -170,10 +171,12 @@ ReconstructionOptions preset_options(std::string_view preset) {
         options.adjust_whole_dive = false;
         options.close_loops = false;
         options.fusion = "octree";
+        options.across_frames = "off";
         return options;
     }
     if (preset == "fast") {  // a preview on the day of the dive: calibration as stated, no loops
         options.stereo_scales = 1;
+        options.across_frames = "off";
         options.num_features = 200;
         options.close_loops = false;
         options.refine_lenses = false;
@@ -183,7 +186,7 @@ ReconstructionOptions preset_options(std::string_view preset) {
     if (preset == "accurate") {
         options.num_features = 500;
         options.map_step = 0.01;
-        options.fill_across_frames = true;
+        options.across_frames = "fill";
         return options;
     }
     throw Error(

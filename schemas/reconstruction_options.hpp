@@ -47,7 +47,8 @@ struct ReconstructionOptions {
     double voxel_m = 0.0;                 // 0: chosen locally from rig and range
     double max_depth_m = 0.0;             // 0: chosen from the rig
     double cloud_spacing_m = 0.0;         // between the points of the cloud; 0: half a voxel
-    bool fill_across_frames = false;      // depth that one pair cannot measure, from other frames
+    // Depth by the frames around: off, refine (what pairs measured) or fill (and what they did not).
+    std::string across_frames = "refine";
     // mesh: step 8
     double max_sigma_m = 0.0;     // of a vertex; less certain surface is removed; 0: no limit
     double simplify = 1.0;        // share of the triangles to keep

@@ -17,21 +17,24 @@ FileStamp stamp_from(const struct stat& status) {
 }
 
 // Opens a file below `folder`. The descriptor is not open, with the reason in errno, on failure.
-FileDescriptor open_below(const std::filesystem::path& folder, const std::filesystem::path& path) {
+FileDescriptor open_below(const std::filesystem::path& folder,
+                          const std::filesystem::path& path,
+                          Links links) {
+    const int flags = O_RDONLY | O_CLOEXEC | (links == Links::Follow ? 0 : O_NOFOLLOW);
     FileDescriptor opened(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC));
     for (auto part = path.begin(); part != path.end() && opened.is_open(); ++part) {
         const int kind = std::next(part) == path.end() ? O_NONBLOCK : O_DIRECTORY;
-        opened = FileDescriptor(
-            ::openat(opened.get(), part->c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC | kind));
+        opened = FileDescriptor(::openat(opened.get(), part->c_str(), flags | kind));
     }
     return opened;
 }
 
 }  // namespace
 
-FileStamp stamp_of(const std::filesystem::path& path) {
+FileStamp stamp_of(const std::filesystem::path& path, Links links) {
     struct stat status {};
-    if (::lstat(path.c_str(), &status) != 0)
+    const int flags = links == Links::Follow ? 0 : AT_SYMLINK_NOFOLLOW;
+    if (::fstatat(AT_FDCWD, path.c_str(), &status, flags) != 0)
         throw Error(ErrorCode::NotFound, "cannot open " + path.string() + ": " + strerror(errno));
     return stamp_from(status);
 }
@@ -41,8 +44,10 @@ OpenFile::OpenFile(const std::filesystem::path& path)
     check_kind();
 }
 
-OpenFile::OpenFile(const std::filesystem::path& folder, const std::filesystem::path& path)
-    : path_(folder / path), file_(open_below(folder, path)) {
+OpenFile::OpenFile(const std::filesystem::path& folder,
+                   const std::filesystem::path& path,
+                   Links links)
+    : path_(folder / path), file_(open_below(folder, path, links)) {
     check_kind();
 }
 

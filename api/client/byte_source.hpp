@@ -5,6 +5,7 @@
 #include <span>
 
 #include "schemas/file_descriptor.hpp"
+#include "schemas/links.hpp"
 
 namespace divemesh::api::client {
 
@@ -26,7 +27,8 @@ struct FileStamp {
     bool operator==(const FileStamp&) const = default;
 };
 
-FileStamp stamp_of(const std::filesystem::path& path);  // throws Error{NotFound}
+// Returns the stamp of a file, or of that which a link leads to. Throws Error{NotFound}.
+FileStamp stamp_of(const std::filesystem::path& path, Links links = Links::LeaveOut);
 
 // An open file, closed with the object.
 class OpenFile {
@@ -34,9 +36,9 @@ public:
     // Throws Error{NotFound} with the system's reason. Does not follow a symbolic link as the last
     // component of the path.
     explicit OpenFile(const std::filesystem::path& path);
-    // Opens `path` below `folder`. Follows no symbolic link on the way, so files outside cannot be
-    // reached.
-    OpenFile(const std::filesystem::path& folder, const std::filesystem::path& path);
+    // Opens `path` below `folder`. With Links::LeaveOut it follows no symbolic link on the way, so
+    // files outside cannot be reached.
+    OpenFile(const std::filesystem::path& folder, const std::filesystem::path& path, Links links);
 
     const FileStamp& stamp() const { return stamp_; }
     std::size_t read_at(std::int64_t offset, std::span<char> buffer) const;  // returns 0 at the end

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "api/client/folder_listing.hpp"
 #include "api/client/tar_header.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
@@ -22,30 +23,25 @@ std::span<char> first_bytes(std::span<char> buffer, std::int64_t left) {
 
 }  // namespace
 
-DiveTar::DiveTar(const fs::path& folder) : folder_(fs::canonical(folder)) {
-    list_files(folder_);
+DiveTar::DiveTar(const fs::path& folder, Links links)
+    : folder_(fs::canonical(folder)), links_(links) {
+    list_files();
     lay_out();
 }
 
-void DiveTar::list_files(const fs::path& folder) {
-    std::vector<std::string> names;
-    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-        const std::string name = entry.path().lexically_relative(folder).generic_string();
-        const auto type = entry.symlink_status().type();
-        if (type == fs::file_type::regular)
-            names.push_back(name);
-        else if (type != fs::file_type::directory)
-            left_out_.push_back(name);
+void DiveTar::list_files() {
+    FolderListing listing = list_folder(folder_, links_);
+    left_out_ = std::move(listing.left_out);
+    const auto root = find_dive_root(listing.files);
+    if (!root || !root->strip.empty()) {
+        std::string problem = folder_.string() + " contains neither mav0 nor cam0";
+        if (!left_out_.empty())
+            problem += " (" + left_out_.front() + " is left out: a link or a special file)";
+        throw Error(ErrorCode::NotFound, problem + ": give the folder of the dive");
     }
-    std::sort(left_out_.begin(), left_out_.end());
-    const auto root = find_dive_root(names);
-    if (!root || !root->strip.empty())
-        throw Error(
-            ErrorCode::NotFound,
-            folder.string() + " contains neither mav0 nor cam0: give the folder of the dive");
-    for (const auto& name : names) {
+    for (const auto& name : listing.files) {
         const fs::path source(name);
-        files_.push_back({root->prefix + name, source, stamp_of(folder / source)});
+        files_.push_back({root->prefix + name, source, stamp_of(folder_ / source, links_)});
     }
 }
 
@@ -96,7 +92,7 @@ std::size_t DiveTar::read_content(const File& file, std::int64_t offset, std::sp
 const OpenFile& DiveTar::open(const File& file) {
     if (open_of_ != &file) {
         open_of_ = nullptr;
-        open_ = std::make_unique<OpenFile>(folder_, file.source);
+        open_ = std::make_unique<OpenFile>(folder_, file.source, links_);
         if (open_->stamp() != file.stamp)
             throw Error(ErrorCode::Conflict,
                         file.source.string() + " changed since the upload started: start again");

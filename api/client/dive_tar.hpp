@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "api/client/byte_source.hpp"
+#include "schemas/links.hpp"
 
 namespace divemesh::api::client {
 
@@ -24,8 +25,9 @@ using BytesDone = std::function<void(std::int64_t bytes_done)>;
 // relative to the dive's root (schemas/content_hash.hpp).
 class DiveTar : public ByteSource {
 public:
-    // Lists the folder; reads no file. Throws Error{NotFound} if it has neither mav0/ nor cam0/.
-    explicit DiveTar(const std::filesystem::path& folder);
+    // Lists the folder; reads no file. Throws Error{NotFound} if it has neither mav0/ nor cam0/,
+    // and Error{TooLarge} if links make more of it than a server accepts.
+    DiveTar(const std::filesystem::path& folder, Links links);
 
     std::int64_t size_bytes() const override { return size_bytes_; }
     std::size_t read_at(std::int64_t offset, std::span<char> buffer) override;
@@ -34,8 +36,8 @@ public:
     DiveHashes hash(const BytesDone& bytes_done);
 
     std::size_t num_files() const { return files_.size(); }
-    // Returns one name of each kind of entry that is never sent (links and special files), for a
-    // warning.
+    // Returns the names of what is not sent, sorted, for a warning: special files, links that are
+    // left out, and those that lead nowhere or to a folder that they lie in.
     const std::vector<std::string>& left_out() const { return left_out_; }
 
 private:
@@ -46,12 +48,13 @@ private:
         std::int64_t offset = 0;  // of its header in the tar
     };
 
-    void list_files(const std::filesystem::path& folder);
+    void list_files();
     void lay_out();
     const OpenFile& open(const File& file);
     std::size_t read_content(const File& file, std::int64_t offset, std::span<char> buffer);
 
     std::filesystem::path folder_;
+    Links links_;
     std::vector<File> files_;
     std::vector<std::string> left_out_;
     std::int64_t size_bytes_ = 0;

@@ -76,7 +76,7 @@ public:
         const auto watch = [this](std::int64_t) { throw_if_stopping(services_); };
         if (type == fs::file_type::directory) {
             require_single_names(path);
-            auto tar = std::make_unique<client::DiveTar>(path);
+            auto tar = std::make_unique<client::DiveTar>(path, Links::LeaveOut);
             hashes_ = tar->hash(watch);
             name_ += ".tar";
             source_ = std::move(tar);

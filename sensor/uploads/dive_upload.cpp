@@ -66,7 +66,7 @@ void DiveUpload::run(const std::stop_token& stop) {
 }
 
 void DiveUpload::send(const std::stop_token& stop) {
-    client::DiveTar tar(dive_);
+    client::DiveTar tar(dive_, Links::LeaveOut);
     const auto hashes = tar.hash([&](std::int64_t) { throw_if(stop); });
     const std::string name = settings_.account.server.url() + " " + hashes.archive_sha256;
     if (const auto known = ledger_.find(dive_); known && known->sent == name) {

@@ -6,6 +6,7 @@
 #include "worker/recording/frame_tree.hpp"
 #include "worker/recording/image_file.hpp"
 #include "worker/recording/message_log.hpp"
+#include "worker/video/access_unit_decoder.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -19,6 +20,16 @@ void relate_frames(Serialization serialization, std::string_view bytes) {
         frames.between(transforms.front().child_frame, transform.child_frame);
 }
 
+// Decodes a message in two halves, as if it were two frames, as either codec.
+void decode(std::string_view unit) {
+    for (const char* codec : {"h264", "h265"}) {
+        video::AccessUnitDecoder decoder;
+        for (const auto part : {unit.substr(0, unit.size() / 2), unit.substr(unit.size() / 2)})
+            if (!part.empty()) decoder.decode(codec, 1, part);
+        decoder.finish();
+    }
+}
+
 // Parses a message as each of those that a dive is made of.
 void parse(std::size_t kind, Serialization serialization, std::string_view bytes) {
     if (kind == 0) image_file(parse_image(serialization, bytes));
@@ -27,11 +38,12 @@ void parse(std::size_t kind, Serialization serialization, std::string_view bytes
     if (kind == 3) parse_camera_info(serialization, bytes);
     if (kind == 4) parse_fluid_pressure(serialization, bytes);
     if (kind == 5) relate_frames(serialization, bytes);
+    if (kind == 6) decode(parse_compressed_video(serialization, bytes).unit);
 }
 
 void parse_every_way(std::string_view bytes) {
     for (const auto serialization : {Serialization::Ros1, Serialization::Cdr})
-        for (std::size_t kind = 0; kind < 6; ++kind) try {
+        for (std::size_t kind = 0; kind < 7; ++kind) try {
                 parse(kind, serialization, bytes);
             } catch (const Error&) {
                 continue;

@@ -7,6 +7,7 @@
 #include "worker/base/atomic_file.hpp"
 #include "worker/board_calibration/calibration_page.hpp"
 #include "worker/board_calibration/pick_views.hpp"
+#include "worker/dive/lens_yaml.hpp"
 #include "worker/dive/sensor_yaml_text.hpp"
 #include "worker/recording/read_rig.hpp"
 #include "worker/recording/recorded_dive.hpp"
@@ -37,12 +38,7 @@ boards::Board read_board(const fs::path& target) {
 std::string yaml_text(const types::Camera& camera, const Eigen::Isometry3d& T_body_cam) {
     dive::SensorYaml yaml;
     yaml.T_body_sensor = T_body_cam.matrix();
-    yaml.camera_model = "pinhole";
-    yaml.intrinsics = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
-    yaml.distortion_model =
-        camera.distortion == types::Distortion::Equidistant ? "equidistant" : "radial-tangential";
-    yaml.distortion_coefficients.assign(camera.distortion_coefficients.begin(),
-                                        camera.distortion_coefficients.end());
+    dive::state_lens(camera, yaml);
     yaml.resolution = {static_cast<double>(camera.width_px), static_cast<double>(camera.height_px)};
     return dive::camera_yaml_text(yaml, {.comment = "calibrated with a board by divemesh"});
 }

@@ -1,16 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <numbers>
 #include <optional>
 
+#include "worker/camera/lens_model.hpp"
 #include "worker/types/camera.hpp"
 
 namespace divemesh::camera {
-
-// Rays of a fisheye lens end at this angle to its axis: no rectified image shows what is beyond it
-// (Rectifier ends its images earlier).
-constexpr double kMaxFisheyeAngle_rad = 85.0 * std::numbers::pi / 180.0;
 
 // Returns true if the lens may see beyond 85 degrees: its rays then end at kMaxFisheyeAngle_rad.
 bool is_fisheye(const types::Camera& camera);

@@ -9,20 +9,12 @@
 #include "worker/base/text.hpp"
 #include "worker/camera/projection.hpp"
 #include "worker/dive/entry_name.hpp"
+#include "worker/dive/lens_yaml.hpp"
 
 namespace divemesh::dive {
 namespace {
 
 constexpr double kMaxRigSize_m = 5.0;
-
-std::optional<types::Distortion> distortion_from_text(const std::string& text) {
-    if (text == "radial-tangential" || text == "radtan" || text == "plumb_bob")
-        return types::Distortion::RadialTangential;
-    if (text == "equidistant" || text == "equi" || text == "fisheye")
-        return types::Distortion::Equidistant;
-    if (text == "none" || text.empty()) return types::Distortion::None;
-    return std::nullopt;
-}
 
 bool is_whole_in(double value, double low, double high) {
     return value >= low && value <= high && value == std::floor(value);
@@ -51,11 +43,13 @@ private:
     }
 
     void read_model() {
-        if (yaml_.camera_model != "pinhole")
-            fail("calibration_model",
-                 "camera_model is '" + printable(yaml_.camera_model) + "'; only pinhole is read",
-                 "Calibrate again with the pinhole model: with radial-tangential distortion, or "
-                 "equidistant for a fisheye (Kalibr: --models pinhole-radtan or pinhole-equi).");
+        if (camera_model_of(yaml_)) return;
+        fail("calibration_model",
+             "camera_model is '" + printable(yaml_.camera_model) +
+                 "'; pinhole, omni, ds and eucm are read",
+             "Calibrate again with one of them, for example the pinhole model with "
+             "radial-tangential distortion, or equidistant for a fisheye (Kalibr: --models "
+             "pinhole-radtan or pinhole-equi).");
     }
 
     void read_resolution() {
@@ -70,23 +64,46 @@ private:
     }
 
     void read_intrinsics() {
-        const auto& k = yaml_.intrinsics;
-        if (yaml_.camera_model != "pinhole") return;  // its numbers mean something else
-        if (k.size() != 4)
+        const camera::LensModel* const model = camera_model_of(yaml_);
+        if (!model) return;  // its numbers mean something else
+        const std::size_t num_leading = model->leading.size();
+        const std::size_t num_intrinsics = num_leading + 4;
+        const auto& all = yaml_.intrinsics;
+        if (all.size() != num_intrinsics)
             return fail("calibration_intrinsics",
-                        "intrinsics has " + std::to_string(k.size()) + " numbers instead of 4",
-                        "Write intrinsics: [fu, fv, cu, cv] in pixels.");
-        camera_.fx_px = k[0];
-        camera_.fy_px = k[1];
-        camera_.cx_px = k[2];
-        camera_.cy_px = k[3];
+                        "intrinsics has " + std::to_string(all.size()) + " numbers instead of " +
+                            std::to_string(num_intrinsics),
+                        "Write intrinsics: [" + intrinsics_names(*model) + "] in pixels.");
+        types::LensCoefficients leading = {};
+        for (std::size_t i = 0; i < num_leading; ++i) {
+            leading[i] = all[i];
+            if (!check_leading(model->leading[i], all[i])) return;
+        }
+        check_pinhole(&all[num_leading], model->focal_factor(leading));
+    }
+
+    bool check_leading(const camera::LeadingCoefficient& coefficient, double value) {
+        if (value >= coefficient.min && value <= coefficient.max) return true;
+        const std::string name(coefficient.name);
+        fail("calibration_intrinsics",
+             name + " is " + base::significant(value) + "; it is from " +
+                 base::significant(coefficient.min) + " to " + base::significant(coefficient.max) +
+                 " in this model",
+             "Write intrinsics in Kalibr's order, " + name + " before the focal lengths.");
+        return false;
+    }
+
+    // Checks fu fv cu cv; `factor` of LensModel::focal_factor.
+    void check_pinhole(const double* k, double factor) {
         if (k[0] == 0.0 || k[1] == 0.0)
             return fail("calibration_not_invertible",
                         "a focal length is 0, so the camera matrix cannot be inverted",
                         "Calibrate the camera again.");
         const double width = camera_.width_px;
         const double height = camera_.height_px;
-        if (k[0] < 0.1 * width || k[0] > 20.0 * width || k[1] < 0.5 * k[0] || k[1] > 2.0 * k[0])
+        const double focal_px = k[0] / factor;
+        if (focal_px < 0.1 * width || focal_px > 20.0 * width || k[1] < 0.5 * k[0] ||
+            k[1] > 2.0 * k[0])
             fail("calibration_intrinsics",
                  "focal lengths " + base::significant(k[0]) + " and " + base::significant(k[1]) +
                      " px are impossible for an image " + base::significant(width) + " px wide",
@@ -99,27 +116,30 @@ private:
     }
 
     void read_distortion() {
-        const auto model = distortion_from_text(yaml_.distortion_model);
-        if (!model)
-            return fail(
-                "calibration_distortion",
-                "distortion_model '" + printable(yaml_.distortion_model) + "' is not supported",
-                "Use radial-tangential, equidistant or none.");
-        camera_.distortion = *model;
-        const auto& k = yaml_.distortion_coefficients;
-        const bool has_more = std::any_of(k.begin() + std::min<std::ptrdiff_t>(4, std::ssize(k)),
-                                          k.end(),
-                                          [](double value) { return value != 0.0; });
-        if (*model != types::Distortion::None && (k.size() < 4 || has_more))
+        if (!camera_model_of(yaml_)) return;
+        if (!is_distortion_known(yaml_))
             return fail("calibration_distortion",
-                        "distortion_coefficients has " + std::to_string(k.size()) + " numbers" +
-                            (k.size() == 8 ? ", those of OpenCV's rational model" : "") + ", but " +
-                            yaml_.distortion_model + " has 4",
-                        "Calibrate again with four coefficients: k1 k2 p1 p2 of radial-tangential, "
-                        "or for wide lenses k1 k2 k3 k4 of equidistant. Just dropping "
-                        "coefficients is not enough, because the others depend on them.");
-        if (*model != types::Distortion::None)
-            std::copy_n(k.begin(), 4, camera_.distortion_coefficients.begin());
+                        "distortion_model '" + printable(yaml_.distortion_model) +
+                            "' is not supported with camera_model " + yaml_.camera_model,
+                        yaml_.camera_model == "pinhole"
+                            ? "Use radial-tangential, equidistant or none."
+                        : yaml_.camera_model == "omni" ? "Use radtan or none."
+                                                       : "Use none.");
+        const camera::LensModel* const model = lens_model_of(yaml_);
+        if (!model) return fail_coefficients();
+        if (good_) read_lens(yaml_, *model, camera_);
+    }
+    void fail_coefficients() {
+        const auto& k = yaml_.distortion_coefficients;
+        const bool is_radial = camera_model_of(yaml_)->camera_model == "pinhole" &&
+                               yaml_.distortion_model.rfind("equi", 0) != 0 &&
+                               yaml_.distortion_model != "fisheye";
+        fail("calibration_distortion",
+             "distortion_coefficients has " + std::to_string(k.size()) + " numbers, but " +
+                 yaml_.distortion_model + " has " + (is_radial ? "4, 5 or 8" : "4"),
+             "Calibrate again with four coefficients: k1 k2 p1 p2 of radial-tangential (or with k3 "
+             "to k6 of OpenCV's rational model), or for wide lenses k1 k2 k3 k4 of equidistant. "
+             "Just dropping coefficients is not enough, because the others depend on them.");
     }
 
     // Returns whether a pixel at the edge of a fisheye image belongs to a ray that is cut off.

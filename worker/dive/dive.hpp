@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
+#include "schemas/links.hpp"
 #include "worker/base/observer.hpp"
 #include "worker/dive/marker_plan.hpp"
 #include "worker/types/geographic_position.hpp"
@@ -65,12 +66,14 @@ class Dive : public types::Recording {
 public:
     // Throws Error{NotFound} if `path` does not exist, Error{BadData} with the reason if it is not
     // a dive at all; all other problems are findings. `progress` is called while an archive is
-    // unpacked and may throw Error{Cancelled}.
+    // unpacked and may throw Error{Cancelled}. `links` are those of a folder; what the links of an
+    // archive lead to is never read.
     static std::unique_ptr<Dive> open(
         const std::filesystem::path& path,
         const std::filesystem::path& scratch,
         const DiveLimits& limits = {},
-        const base::ProgressCallback& progress = base::ignore_progress);
+        const base::ProgressCallback& progress = base::ignore_progress,
+        Links links = Links::LeaveOut);
 
     virtual const DiveInfo& info() const = 0;
     virtual const std::vector<Finding>& findings() const = 0;  // grows as frames are read

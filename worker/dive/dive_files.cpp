@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "schemas/content_hash.hpp"
+#include "worker/dive/entry_name.hpp"
 #include "worker/dive/refusal.hpp"
 
 namespace divemesh::dive {
@@ -20,6 +21,21 @@ std::optional<std::string> folder_of_dive(std::string_view path) {
     return std::string(path);
 }
 
+[[noreturn]] void refuse(const UnusedLinks& links) {
+    std::string message = "this is not a dive: it has neither a folder mav0/ nor cam0/";
+    std::string remedy =
+        "Give the folder that contains mav0/cam0/data.csv, mav0/cam0/sensor.yaml and so on, or "
+        "make "
+        "a dive of other recordings and of folders of images by divemesh import.";
+    if (links.count > 0) {
+        message += "; symbolic links in it that give no file: " + std::to_string(links.count);
+        message += ", the first: " + printable(links.first) + " is " + links.problem;
+        remedy =
+            "Fetch what the links stand for, or replace them by the files: cp -rL FOLDER COPY.";
+    }
+    throw Refusal("not_a_dive", "", message, remedy);
+}
+
 }  // namespace
 
 DiveFiles::DiveFiles(std::unique_ptr<DiveSource> source) : source_(std::move(source)) {
@@ -27,13 +43,7 @@ DiveFiles::DiveFiles(std::unique_ptr<DiveSource> source) : source_(std::move(sou
     paths.reserve(source_->files().size());
     for (const SourceFile& file : source_->files()) paths.push_back(file.path);
     const auto root = find_dive_root(paths);
-    if (!root)
-        throw Refusal(
-            "not_a_dive",
-            "",
-            "this is not a dive: it has neither a folder mav0/ nor cam0/",
-            "Give the folder that contains mav0/cam0/data.csv, mav0/cam0/sensor.yaml and so on, or "
-            "make a dive of other recordings and of folders of images by divemesh import.");
+    if (!root) refuse(source_->unused_links());
     for (const std::string& path : paths)
         if (auto folder = folder_of_dive(path); folder && *folder != root->strip)
             other_dives_.push_back(std::move(*folder));

@@ -17,13 +17,15 @@ std::unique_ptr<DiveSource> open_source(const std::filesystem::path& path,
                                         const std::filesystem::path& scratch,
                                         const DiveLimits& limits,
                                         const base::ProgressCallback& progress,
-                                        FindingLog& findings) {
+                                        FindingLog& findings,
+                                        Links links) {
     std::error_code problem;
     const auto status = std::filesystem::status(path, problem);
     if (!std::filesystem::exists(status))
         throw Error(ErrorCode::NotFound,
                     "there is no file or folder " + path.string() + ": check the path");
-    if (std::filesystem::is_directory(status)) return open_folder(path, limits, progress, findings);
+    if (std::filesystem::is_directory(status))
+        return open_folder(path, limits, progress, findings, links);
     if (!std::filesystem::is_regular_file(status))
         throw Refusal("not_an_archive",
                       printable(path.string()),

@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <dirent.h>
 #include <fcntl.h>
 #include <string_view>
 #include <sys/stat.h>
+#include <utility>
 #include <vector>
 
 #include "schemas/file_descriptor.hpp"
@@ -15,11 +17,16 @@ namespace divemesh::dive {
 namespace {
 
 constexpr std::size_t kChunkBytes = 1 << 20;
+constexpr std::string_view kVersionControl = ".git";
 
 std::string last_error() { return std::strerror(errno); }
 
-// Opens `path` below `root` part by part, so that no link is followed.
-FileDescriptor open_beneath(int root, std::string_view path) {
+int open_flags(Links links) {
+    return O_RDONLY | O_CLOEXEC | (links == Links::Follow ? 0 : O_NOFOLLOW);
+}
+
+// Opens `path` below `root` part by part, so that no link is followed that should not be.
+FileDescriptor open_beneath(int root, std::string_view path, Links links) {
     FileDescriptor folder;
     int current = root;
     while (true) {
@@ -27,8 +34,7 @@ FileDescriptor open_beneath(int root, std::string_view path) {
         const std::string part(path.substr(0, slash));
         const bool is_last = slash == std::string_view::npos;
         const int kind = is_last ? O_NONBLOCK : O_DIRECTORY;
-        FileDescriptor next(
-            ::openat(current, part.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW | kind));
+        FileDescriptor next(::openat(current, part.c_str(), open_flags(links) | kind));
         if (is_last || !next.is_open()) return next;
         folder = std::move(next);
         current = folder.get();
@@ -36,22 +42,48 @@ FileDescriptor open_beneath(int root, std::string_view path) {
     }
 }
 
-// Lists a folder without following links.
+// Returns where a link points to; "" if it cannot be read.
+std::string target_of(int folder, const std::string& link) {
+    std::string target(1024, '\0');
+    const ssize_t length = ::readlinkat(folder, link.c_str(), target.data(), target.size());
+    target.resize(static_cast<std::size_t>(std::max<ssize_t>(length, 0)));
+    return target;
+}
+
+// Lists a folder, with what its links lead to if they are followed. A folder is not entered a
+// second time from within itself, and entry_name_problem() bounds the depth.
 class Lister {
 public:
     Lister(const std::filesystem::path& folder,
            const DiveLimits& limits,
            const base::ProgressCallback& progress,
-           FindingLog& findings)
-        : folder_(folder), limits_(limits), progress_(progress), findings_(findings) {}
+           FindingLog& findings,
+           Links links)
+        : folder_(folder),
+          limits_(limits),
+          progress_(progress),
+          findings_(findings),
+          links_(links) {}
 
     std::vector<SourceFile> run(int root) {
         list(FileDescriptor(::openat(root, ".", O_RDONLY | O_CLOEXEC | O_DIRECTORY)), "");
         return std::move(files_);
     }
 
+    const UnusedLinks& unused_links() const { return unused_links_; }
+
 private:
+    using FolderId = std::pair<dev_t, ino_t>;
+
     void list(FileDescriptor folder, const std::string& prefix) {
+        struct stat status {};
+        ::fstat(folder.get(), &status);  // list_entries() tells why a folder is not open
+        entered_.emplace_back(status.st_dev, status.st_ino);
+        list_entries(std::move(folder), prefix);
+        entered_.pop_back();
+    }
+
+    void list_entries(FileDescriptor folder, const std::string& prefix) {
         const std::unique_ptr<DIR, int (*)(DIR*)> stream(
             folder.is_open() ? ::fdopendir(folder.get()) : nullptr, &::closedir);
         if (!stream)
@@ -76,17 +108,54 @@ private:
         const std::string path = prefix + name;
         struct stat status {};
         if (::fstatat(folder, name.c_str(), &status, AT_SYMLINK_NOFOLLOW) != 0) return;
+        if (links_ == Links::Follow && name == kVersionControl) return;
+        const bool is_link = S_ISLNK(status.st_mode);
+        if (is_link && links_ == Links::LeaveOut) return leave_out_link(path);
+        if (is_link && ::fstatat(folder, name.c_str(), &status, 0) != 0) {
+            const std::string reason = last_error();
+            return report_broken(path, target_of(folder, name), reason);
+        }
         if (const auto problem = entry_name_problem(path); !problem.empty()) {
             leave_out(path, "its name " + problem);
+        } else if (S_ISDIR(status.st_mode) && is_within(status)) {
+            leave_out(path, "it is a link to a folder that it lies in");
         } else if (S_ISDIR(status.st_mode)) {
-            list(FileDescriptor(::openat(
-                     folder, name.c_str(), O_RDONLY | O_CLOEXEC | O_DIRECTORY | O_NOFOLLOW)),
+            list(FileDescriptor(::openat(folder, name.c_str(), open_flags(links_) | O_DIRECTORY)),
                  path + "/");
         } else if (S_ISREG(status.st_mode)) {
             files_.push_back({path, status.st_size, 0, ""});
         } else {
-            leave_out(path, S_ISLNK(status.st_mode) ? "it is a link" : "it is not a regular file");
+            leave_out(path, "it is not a regular file");
         }
+    }
+
+    bool is_within(const struct stat& status) const {
+        const FolderId id{status.st_dev, status.st_ino};
+        return std::find(entered_.begin(), entered_.end(), id) != entered_.end();
+    }
+
+    void leave_out_link(const std::string& path) {
+        count_unused(path, "a symbolic link, and these are not followed here");
+        leave_out(path, "it is a link");
+    }
+
+    void report_broken(const std::string& path,
+                       const std::string& target,
+                       const std::string& reason) {
+        const std::string problem =
+            "a link to " + printable(target) + ", which cannot be read: " + reason;
+        count_unused(path, problem);
+        findings_.warning("link_broken",
+                          printable(path),
+                          printable(path) + " is " + problem,
+                          "Fetch the file that it stands for (git annex get, datalad get, mount "
+                          "the disk), or replace the link by the file.");
+    }
+
+    void count_unused(const std::string& path, const std::string& problem) {
+        if (unused_links_.count++ > 0) return;
+        unused_links_.first = path;
+        unused_links_.problem = problem;
     }
 
     void leave_out(const std::string& path, const std::string& reason) {
@@ -100,7 +169,10 @@ private:
     const DiveLimits& limits_;
     const base::ProgressCallback& progress_;
     FindingLog& findings_;
+    const Links links_;
     std::int64_t num_entries_ = 0;
+    std::vector<FolderId> entered_;  // from the root to the folder that is listed
+    UnusedLinks unused_links_;
     std::vector<SourceFile> files_;
 };
 
@@ -109,17 +181,22 @@ public:
     FolderSource(const std::filesystem::path& folder,
                  const DiveLimits& limits,
                  const base::ProgressCallback& progress,
-                 FindingLog& findings)
-        : folder_(folder), root_(::open(folder.c_str(), O_RDONLY | O_CLOEXEC | O_DIRECTORY)) {
+                 FindingLog& findings,
+                 Links links)
+        : folder_(folder),
+          links_(links),
+          root_(::open(folder.c_str(), O_RDONLY | O_CLOEXEC | O_DIRECTORY)) {
         if (!root_.is_open())
             throw Error(ErrorCode::Unavailable,
                         "cannot open the folder " + folder.string() + ": " + last_error());
-        files_ = Lister(folder, limits, progress, findings).run(root_.get());
+        Lister lister(folder, limits, progress, findings, links);
+        files_ = lister.run(root_.get());
+        unused_links_ = lister.unused_links();
         sort_files();
     }
 
     void read(const SourceFile& file, const Sink& sink) const override {
-        const FileDescriptor opened = open_beneath(root_.get(), file.path);
+        const FileDescriptor opened = open_beneath(root_.get(), file.path, links_);
         struct stat status {};
         if (!opened.is_open() || ::fstat(opened.get(), &status) != 0 || !S_ISREG(status.st_mode))
             throw Error(ErrorCode::Unavailable,
@@ -144,6 +221,7 @@ public:
 
 private:
     std::filesystem::path folder_;
+    Links links_;
     FileDescriptor root_;
 };
 
@@ -152,8 +230,9 @@ private:
 std::unique_ptr<DiveSource> open_folder(const std::filesystem::path& folder,
                                         const DiveLimits& limits,
                                         const base::ProgressCallback& progress,
-                                        FindingLog& findings) {
-    return std::make_unique<FolderSource>(folder, limits, progress, findings);
+                                        FindingLog& findings,
+                                        Links links) {
+    return std::make_unique<FolderSource>(folder, limits, progress, findings, links);
 }
 
 }  // namespace divemesh::dive

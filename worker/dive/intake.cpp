@@ -58,11 +58,12 @@ void examine(StoredDive& dive,
 IntakeReport examine_dive(const std::filesystem::path& path,
                           const std::filesystem::path& scratch,
                           const base::ProgressCallback& progress,
-                          const RecordingCheck& check) {
+                          const RecordingCheck& check,
+                          Links links) {
     IntakeReport report;
     try {
         const auto opening = part(progress, 0.0, 0.3);
-        StoredDive dive(path, scratch, {}, opening);
+        StoredDive dive(path, scratch, {}, opening, links);
         examine(dive, report, progress, check);
     } catch (const Refusal& refusal) {
         report.findings.push_back(refusal.finding());

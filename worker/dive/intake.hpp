@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
+#include "schemas/links.hpp"
 #include "worker/base/observer.hpp"
 
 namespace divemesh::types {
@@ -38,6 +39,7 @@ using RecordingCheck = std::function<std::vector<Finding>(const types::Recording
 IntakeReport examine_dive(const std::filesystem::path& path,
                           const std::filesystem::path& scratch,
                           const base::ProgressCallback& progress,
-                          const RecordingCheck& check = {});
+                          const RecordingCheck& check = {},
+                          Links links = Links::LeaveOut);
 
 }  // namespace divemesh::dive

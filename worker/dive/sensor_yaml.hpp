@@ -18,7 +18,7 @@ struct SensorYaml {
     std::optional<Eigen::Matrix4d> T_body_sensor;  // T_BS
     std::string camera_model;
     std::string distortion_model;
-    std::vector<double> intrinsics;  // of a pinhole fu fv cu cv, as Kalibr orders them
+    std::vector<double> intrinsics;  // as Kalibr orders them, of a pinhole fu fv cu cv
     std::vector<double> distortion_coefficients;
     std::vector<double> resolution;
     std::optional<double> gyroscope_noise_density;

@@ -2,6 +2,8 @@
 
 #include <charconv>
 
+#include "worker/dive/lens_yaml.hpp"
+
 namespace divemesh::dive {
 namespace {
 
@@ -15,7 +17,7 @@ public:
     void number(const char* key, const std::optional<double>& value, const char* unit = "") {
         if (value) line(std::string(key) + ": " + number_text(*value) + unit);
     }
-    void list(const char* key, const std::vector<double>& values, const char* names = "") {
+    void list(const char* key, const std::vector<double>& values, const std::string& names = "") {
         std::string row;
         for (const double value : values) row += (row.empty() ? "" : ", ") + number_text(value);
         line(std::string(key) + ": [" + row + ']' + names);
@@ -62,7 +64,9 @@ std::string camera_yaml_text(const SensorYaml& yaml, const SensorYamlNotes& note
     lines.line("\n# Camera specific definitions.");
     lines.list("resolution", yaml.resolution);
     lines.text("camera_model", yaml.camera_model);
-    lines.list("intrinsics", yaml.intrinsics, " #fu, fv, cu, cv");
+    const camera::LensModel* const model = camera_model_of(yaml);
+    lines.list(
+        "intrinsics", yaml.intrinsics, model ? " #" + intrinsics_names(*model) : std::string());
     lines.text("distortion_model", yaml.distortion_model);
     lines.list("distortion_coefficients", yaml.distortion_coefficients);
     return lines.all();

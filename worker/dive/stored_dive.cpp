@@ -75,9 +75,10 @@ bool follow_right_clock(const DiveContents& contents) {
 StoredDive::StoredDive(const std::filesystem::path& path,
                        const std::filesystem::path& scratch,
                        const DiveLimits& limits,
-                       const base::ProgressCallback& progress)
+                       const base::ProgressCallback& progress,
+                       Links links)
     : limits_(limits),
-      files_(open_source(path, scratch, limits, throttled(progress), findings_)),
+      files_(open_source(path, scratch, limits, throttled(progress), findings_, links)),
       contents_(read_contents(files_, limits, findings_)),
       reader_(0, kPrefetchedPairs, {}) {
     report_other_dives();
@@ -273,8 +274,9 @@ std::optional<types::Mesh> StoredDive::read_scene_mesh() const { return read_mes
 std::unique_ptr<Dive> Dive::open(const std::filesystem::path& path,
                                  const std::filesystem::path& scratch,
                                  const DiveLimits& limits,
-                                 const base::ProgressCallback& progress) {
-    return std::make_unique<StoredDive>(path, scratch, limits, progress);
+                                 const base::ProgressCallback& progress,
+                                 Links links) {
+    return std::make_unique<StoredDive>(path, scratch, limits, progress, links);
 }
 
 }  // namespace divemesh::dive

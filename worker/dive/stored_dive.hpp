@@ -16,7 +16,8 @@ public:
     StoredDive(const std::filesystem::path& path,
                const std::filesystem::path& scratch,
                const DiveLimits& limits,
-               const base::ProgressCallback& progress);
+               const base::ProgressCallback& progress,
+               Links links = Links::LeaveOut);
 
     const types::Rig& rig() const override { return contents_.rig; }
     int num_frames() const override { return static_cast<int>(contents_.frames.pairs.size()); }

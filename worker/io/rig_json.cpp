@@ -1,10 +1,13 @@
 #include "worker/io/rig_json.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "schemas/error.hpp"
+#include "worker/camera/lens_model.hpp"
 
 namespace divemesh::io {
 namespace {
@@ -12,20 +15,24 @@ namespace {
 using nlohmann::json;
 using types::Distortion;
 
+// Models of fewer have zeros behind them, as before there were models of more.
+constexpr std::size_t kMinCoefficients = 4;
 constexpr double kRotationTolerance = 1e-3;  // of a quaternion's norm
 
 Distortion distortion_from(const std::string& name) {
-    for (const Distortion distortion : types::kDistortions)
-        if (to_string(distortion) == name) return distortion;
+    for (const camera::LensModel& model : camera::lens_models())
+        if (model.name == name) return model.distortion;
     throw Error(ErrorCode::BadData, "distortion_model '" + name + "' is unknown");
 }
 
 json camera_json(const types::Camera& camera, const Eigen::Isometry3d& T_imu_cam) {
+    const auto& k = camera.distortion_coefficients;
+    const auto num_coefficients = static_cast<std::ptrdiff_t>(num_stated_coefficients(camera));
     json result = {{"image_size_px", {camera.width_px, camera.height_px}},
                    {"focal_px", {camera.fx_px, camera.fy_px}},
                    {"centre_px", {camera.cx_px, camera.cy_px}},
                    {"distortion_model", to_string(camera.distortion)},
-                   {"distortion", camera.distortion_coefficients},
+                   {"distortion", std::vector<double>(k.begin(), k.begin() + num_coefficients)},
                    {"T_imu_cam", io::to_json(T_imu_cam)}};
     if (camera.refractive_index != 1.0) result["refractive_index"] = camera.refractive_index;
     return result;
@@ -40,20 +47,20 @@ types::Camera camera_from(const json& entry) {
     camera.cx_px = entry.at("centre_px").at(0).get<double>();
     camera.cy_px = entry.at("centre_px").at(1).get<double>();
     camera.distortion = distortion_from(entry.at("distortion_model").get<std::string>());
-    entry.at("distortion").get_to(camera.distortion_coefficients);
+    const auto coefficients = entry.at("distortion").get<std::vector<double>>();
+    if (coefficients.size() > camera.distortion_coefficients.size())
+        throw Error(ErrorCode::BadData, "a distortion has more coefficients than any lens model");
+    std::copy(coefficients.begin(), coefficients.end(), camera.distortion_coefficients.begin());
     camera.refractive_index = entry.value("refractive_index", 1.0);
     return camera;
 }
 
 }  // namespace
 
-std::string_view to_string(Distortion distortion) {
-    switch (distortion) {
-        case Distortion::None: return "none";
-        case Distortion::RadialTangential: return "radial-tangential";
-        case Distortion::Equidistant: return "equidistant";
-    }
-    return "";
+std::string_view to_string(Distortion distortion) { return camera::lens_model(distortion).name; }
+
+std::size_t num_stated_coefficients(const types::Camera& camera) {
+    return std::max(kMinCoefficients, camera::lens_model(camera.distortion).num_coefficients);
 }
 
 json to_json(const Eigen::Isometry3d& T) {

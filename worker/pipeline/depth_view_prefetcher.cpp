@@ -1,12 +1,9 @@
 #include "worker/pipeline/depth_view_prefetcher.hpp"
 
 #include <algorithm>
-#include <opencv2/imgproc.hpp>
 #include <utility>
 
 #include "worker/fusion/unshared_depth.hpp"
-#include "worker/pipeline/neighbour_frames.hpp"
-#include "worker/stereo/fill_from_views.hpp"
 
 namespace divemesh::pipeline {
 
@@ -14,13 +11,13 @@ DepthViewPrefetcher::DepthViewPrefetcher(const types::RectifiedRig& rig,
                                          VoxelAt voxel_at,
                                          const std::vector<types::Keyframe>& frames,
                                          const keyframes::KeyframeStore& store,
-                                         bool fills_across_frames,
+                                         Improve improve,
                                          base::TaskPool& task_pool)
     : rig_(rig),
       voxel_at_(std::move(voxel_at)),
       frames_(frames),
       store_(store),
-      fills_across_frames_(fills_across_frames) {
+      improve_(std::move(improve)) {
     for (auto& lane : lanes_) fetch(lane.emplace(task_pool));
 }
 
@@ -43,26 +40,11 @@ std::vector<Eigen::Isometry3d> DepthViewPrefetcher::motions_to_neighbours(std::s
     return motions;
 }
 
-void DepthViewPrefetcher::fill(std::size_t frame, types::KeyframeImages& images) const {
-    const float disparity_px = fusion::median_disparity_px(images.depth);
-    if (disparity_px <= 0.0F) return;
-    const auto grey = [](const cv::Mat& color) {
-        cv::Mat image;
-        cv::cvtColor(color, image, cv::COLOR_BGR2GRAY);
-        return image;
-    };
-    std::vector<stereo::NeighbourView> neighbours;
-    for (const std::size_t other : neighbour_frames(frames_, frame, rig_.depth_m(disparity_px)))
-        neighbours.push_back({grey(store_.left_in_color(frames_[other].frame_index)),
-                              frames_[other].T_world_cam.inverse() * frames_[frame].T_world_cam});
-    stereo::fill_from_views(rig_, grey(images.left_color), neighbours, images.depth);
-}
-
 void DepthViewPrefetcher::fetch(Lane& lane) {
     if (num_fetched_ == frames_.size()) return;
     lane.task.run([this, &lane, frame = num_fetched_++] {
         types::KeyframeImages images = store_.read(frames_[frame].frame_index);
-        if (fills_across_frames_) fill(frame, images);
+        improve_(frame, images);
         const float disparity_px = fusion::median_disparity_px(images.depth);
         const fusion::Sampling sampling =
             disparity_px > 0.0F

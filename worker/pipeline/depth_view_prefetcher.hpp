@@ -20,13 +20,15 @@ public:
     // Returns the voxel for surface at a depth, m; must be thread-safe.
     using VoxelAt = std::function<double(double depth_m)>;
 
-    // `frames` and `store` must outlive it. With `fills_across_frames` depth that a pair could not
-    // measure is measured with the frames around it.
+    // Improves the depth of the frame at a place in `frames`; must be thread-safe.
+    using Improve = std::function<void(std::size_t frame, types::KeyframeImages& images)>;
+
+    // `frames` and `store` must outlive it.
     DepthViewPrefetcher(const types::RectifiedRig& rig,
                         VoxelAt voxel_at,
                         const std::vector<types::Keyframe>& frames,
                         const keyframes::KeyframeStore& store,
-                        bool fills_across_frames,
+                        Improve improve,
                         base::TaskPool& task_pool);
 
     // Returns the next frame's view; null at the end. Rethrows errors of reading.
@@ -44,13 +46,12 @@ private:
     };
     void fetch(Lane& lane);
     std::vector<Eigen::Isometry3d> motions_to_neighbours(std::size_t frame) const;
-    void fill(std::size_t frame, types::KeyframeImages& images) const;
 
     const types::RectifiedRig rig_;
     const VoxelAt voxel_at_;
     const std::vector<types::Keyframe>& frames_;
     const keyframes::KeyframeStore& store_;
-    const bool fills_across_frames_;
+    const Improve improve_;
     std::array<std::optional<Lane>, kNumLanes> lanes_;
     std::size_t num_fetched_ = 0;
     std::size_t num_taken_ = 0;

@@ -8,10 +8,11 @@ namespace divemesh::pipeline {
 
 dive::IntakeReport examine(const std::filesystem::path& path,
                            const std::filesystem::path& scratch,
-                           const base::ProgressCallback& progress) {
+                           const base::ProgressCallback& progress,
+                           Links links) {
     try {
         return dive::examine_dive(
-            recording::as_dive(path, scratch, progress), scratch, progress, check_cameras);
+            recording::as_dive(path, scratch, progress), scratch, progress, check_cameras, links);
     } catch (const dive::Refusal& refusal) {
         dive::IntakeReport report;
         report.findings.push_back(refusal.finding());

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "schemas/links.hpp"
 #include "worker/base/observer.hpp"
 #include "worker/dive/intake.hpp"
 
@@ -11,6 +12,7 @@ namespace divemesh::pipeline {
 // and every image (dive::examine_dive()), and its cameras against each other.
 dive::IntakeReport examine(const std::filesystem::path& path,
                            const std::filesystem::path& scratch,
-                           const base::ProgressCallback& progress);
+                           const base::ProgressCallback& progress,
+                           Links links = Links::LeaveOut);
 
 }  // namespace divemesh::pipeline

@@ -43,7 +43,8 @@ void append(std::string& text, const types::Camera& camera, const Eigen::Isometr
                                camera.cy_px})
         append(text, value);
     text.append(io::to_string(camera.distortion)).append("\n");
-    for (const double value : camera.distortion_coefficients) append(text, value);
+    for (std::size_t i = 0; i < io::num_stated_coefficients(camera); ++i)
+        append(text, camera.distortion_coefficients[i]);
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column) append(text, T_imu_cam(row, column));
 }

@@ -12,6 +12,8 @@ constexpr std::size_t kPerSide = 2;
 constexpr double kMinBaseline = 0.02;  // of the depth
 constexpr double kBaseline = 0.1;
 constexpr double kMaxBaseline = 0.4;
+constexpr double kMinApart = 0.04;  // of the depth
+constexpr double kMinTurn_rad = 0.09;
 constexpr double kMinCosine = 0.9;  // between the directions of view
 
 struct Candidate {
@@ -56,6 +58,22 @@ std::vector<std::size_t> neighbour_frames(const std::vector<types::Keyframe>& fr
     take_best(std::move(before), taken);
     take_best(std::move(after), taken);
     return taken;
+}
+
+std::vector<std::size_t> frames_apart(const std::vector<types::Keyframe>& frames, double depth_m) {
+    std::vector<std::size_t> apart;
+    for (std::size_t frame = 0; frame < frames.size(); ++frame) {
+        if (!apart.empty()) {
+            const Eigen::Isometry3d motion =
+                frames[apart.back()].T_world_cam.inverse() * frames[frame].T_world_cam;
+            const bool is_near = motion.translation().norm() < kMinApart * depth_m;
+            const bool is_turned = Eigen::AngleAxisd(motion.linear()).angle() >= kMinTurn_rad;
+            if (is_near && !is_turned && frames[apart.back()].segment == frames[frame].segment)
+                continue;
+        }
+        apart.push_back(frame);
+    }
+    return apart;
 }
 
 }  // namespace divemesh::pipeline

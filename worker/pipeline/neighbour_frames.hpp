@@ -15,4 +15,8 @@ std::vector<std::size_t> neighbour_frames(const std::vector<types::Keyframe>& fr
                                           std::size_t frame,
                                           double depth_m);
 
+// Returns frames that show the scene from places at least 4 % of its depth apart, or turned by 5
+// degrees, in order: enough for each surface to be seen in several of them.
+std::vector<std::size_t> frames_apart(const std::vector<types::Keyframe>& frames, double depth_m);
+
 }  // namespace divemesh::pipeline

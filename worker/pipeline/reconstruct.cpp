@@ -9,6 +9,7 @@
 #include "worker/loops/drift_model.hpp"
 #include "worker/loops/motions_in_sight.hpp"
 #include "worker/mesh/extract_surface.hpp"
+#include "worker/pipeline/depth_across_frames.hpp"
 #include "worker/pipeline/depth_view_prefetcher.hpp"
 #include "worker/pipeline/estimators.hpp"
 #include "worker/pipeline/measured_poses.hpp"
@@ -184,8 +185,11 @@ FusedMap fuse(const FramesToFuse& input,
                    : std::ldexp(settings.median_voxel_m(),
                                 fusion::relative_level(input.rig, median_m, depth_m));
     };
-    DepthViewPrefetcher views(
-        input.rig, voxel_at, frames, input.store, options.fill_across_frames, task_pool);
+    DepthAcrossFrames across(input.rig, frames, input.store, options.across_frames, median_m);
+    const auto improve = [&](std::size_t frame, types::KeyframeImages& images) {
+        across.improve(frame, images);
+    };
+    DepthViewPrefetcher views(input.rig, voxel_at, frames, input.store, improve, task_pool);
     // Declared after the map, so that it ends first, also if progress() throws.
     base::BackgroundTask cloud(task_pool);
     for (std::size_t i = 0; i < frames.size(); ++i) {

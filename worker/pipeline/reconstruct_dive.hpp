@@ -8,6 +8,7 @@
 
 #include "schemas/finding.hpp"
 #include "schemas/job.hpp"
+#include "schemas/links.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "worker/base/observer.hpp"
 
@@ -34,6 +35,7 @@ struct ReconstructionRequest {
     // Called with the findings on the dive before it is reconstructed or refused.
     std::function<void(const std::vector<Finding>&)> dive_checked =
         [](const std::vector<Finding>&) {};
+    Links links = Links::LeaveOut;  // in the folder `dive`
 };
 
 // Reconstructs a dive: opens it, runs the table of stages (reconstruction_stages.hpp), and writes

@@ -29,7 +29,10 @@ void check_dive(const dive::Dive& dive, const ReconstructionRequest& request) {
 std::unique_ptr<dive::Dive> open_dive(const ReconstructionRequest& request) {
     auto dive =
         dive::Dive::open(recording::as_dive(request.dive, request.scratch, base::ignore_progress),
-                         request.scratch / "dive");
+                         request.scratch / "dive",
+                         {},
+                         base::ignore_progress,
+                         request.links);
     if (request.options.correct_scale == "on" &&
         !dive::marker_plan_of(dive->markers(), request.options))
         throw Error(ErrorCode::InvalidArgument,

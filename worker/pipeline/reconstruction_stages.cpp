@@ -34,7 +34,7 @@ std::vector<Stage<Reconstruction>> reconstruction_stages() {
          .wanted = markers_wanted, .run = run_markers},
 
         {.spec = {.name = "fuse", .share = 0.15,
-                  .reads = {"fusion", "mesher", "voxel_m", "max_depth_m", "cloud_spacing_m", "fill_across_frames"},
+                  .reads = {"fusion", "mesher", "voxel_m", "max_depth_m", "cloud_spacing_m", "across_frames"},
                   .files = {"volume.stage", "cloud.ply", "cloud.stage"}},
          .wanted = surface_wanted, .load = load_fuse, .run = run_fuse, .save = save_fuse, .finish = finish_fuse},
 

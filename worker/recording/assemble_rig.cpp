@@ -85,7 +85,8 @@ void check_names(const dive::SensorYaml& camera) {
         if (!is_model_name(name))
             fail(
                 "the calibration names a camera model that is not known: calibrate with the "
-                "pinhole model and radial-tangential or equidistant distortion");
+                "pinhole model and radial-tangential or equidistant distortion, or with Kalibr's "
+                "omni, ds or eucm");
 }
 
 // Returns the two infos with the left one first: that of the camera with the larger P[3] / P[0].

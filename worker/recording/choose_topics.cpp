@@ -17,14 +17,16 @@ constexpr std::pair<std::string_view, std::string_view> kSides[] = {
     {"infra1", "infra2"},
     {"fisheye1", "fisheye2"},
 };
-constexpr std::string_view kCompressed = "/compressed";
+// What image_transport puts behind the name of the images that it compresses.
+constexpr std::string_view kCompressed[] = {"/compressed", "/foxglove"};
 
 bool is_image(const Topic& topic) {
     if (topic.name.ends_with("Depth")) return false;  // compressedDepth is no photograph
-    return topic.type == "sensor_msgs/Image" || topic.type == "sensor_msgs/CompressedImage";
+    return topic.type == "sensor_msgs/Image" || topic.type == "sensor_msgs/CompressedImage" ||
+           is_video(topic);
 }
 
-bool is_compressed(const Topic& topic) { return topic.type == "sensor_msgs/CompressedImage"; }
+bool is_compressed(const Topic& topic) { return topic.type != "sensor_msgs/Image"; }
 
 bool is_static_transform(const Topic& topic) {
     return (topic.type == "tf2_msgs/TFMessage" || topic.type == "tf/tfMessage") &&
@@ -112,7 +114,8 @@ std::optional<std::size_t> info_of(const std::vector<Topic>& topics,
                                    std::optional<std::size_t> image) {
     if (!image) return std::nullopt;
     std::string_view name = topics[*image].name;
-    if (name.ends_with(kCompressed)) name.remove_suffix(kCompressed.size());
+    for (const std::string_view ending : kCompressed)
+        if (name.ends_with(ending)) name.remove_suffix(ending.size());
     name = name.substr(0, name.rfind('/') + 1);
     return place_of(topics, std::string(name) + "camera_info", "sensor_msgs/CameraInfo");
 }
@@ -166,6 +169,8 @@ ChosenTopics choose_topics(const std::vector<Topic>& topics, const NamedTopics& 
     chosen.transforms = places_where(topics, is_static_transform);
     return chosen;
 }
+
+bool is_video(const Topic& topic) { return topic.type == "foxglove_msgs/CompressedVideo"; }
 
 bool is_rectified(const Topic& topic) {
     std::string_view rest = topic.name;

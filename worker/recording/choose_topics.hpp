@@ -35,6 +35,9 @@ struct ChosenTopics {
 // left and right or cam0 and cam1. Whatever is not clear is a problem.
 ChosenTopics choose_topics(const std::vector<Topic>& topics, const NamedTopics& named);
 
+// Returns whether the images of a topic are a stream of video.
+bool is_video(const Topic& topic);
+
 // Returns whether a topic holds rectified images: its name has the word rect, as image_proc gives
 // it.
 bool is_rectified(const Topic& topic);

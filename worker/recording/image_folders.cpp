@@ -66,9 +66,11 @@ std::string_view stem_of(std::string_view name) {
 
 ImageFolders::ImageFolders(const std::vector<std::filesystem::path>& folders,
                            dive::FindingLog& findings,
-                           const base::ProgressCallback& progress) {
+                           const base::ProgressCallback& progress,
+                           Links links) {
     for (const std::filesystem::path& folder : folders)
-        sources_.push_back(dive::open_folder(folder, dive::DiveLimits{}, progress, findings));
+        sources_.push_back(
+            dive::open_folder(folder, dive::DiveLimits{}, progress, findings, links));
     for (std::size_t i = 0; i < sources_.size(); ++i)
         add(i, sources_.size() < 2 ? "" : i == 0 ? "left/" : "right/");
     std::sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {

@@ -22,14 +22,15 @@ inline constexpr std::int64_t kMaxStill_bytes = std::int64_t{512} << 20U;
 bool is_image_folder(const std::filesystem::path& path);
 
 // The files of a recording that is one folder, or two: one for each camera. Those of the first are
-// named "left/..." then, those of the second "right/...". No link is followed, and names are
-// only names: files are opened below their folder.
+// named "left/..." then, those of the second "right/...". Names are only names: files are opened
+// below their folder.
 class ImageFolders {
 public:
     // Lists the folders. Throws as dive::open_folder() does.
     ImageFolders(const std::vector<std::filesystem::path>& folders,
                  dive::FindingLog& findings,
-                 const base::ProgressCallback& progress);
+                 const base::ProgressCallback& progress,
+                 Links links = Links::LeaveOut);
 
     // Returns the names of all files but those that systems and programs put beside images
     // (".DS_Store", "._x", "__MACOSX/"), sorted.

@@ -9,6 +9,7 @@
 #include "worker/recording/dive_writer.hpp"
 #include "worker/recording/message_sorter.hpp"
 #include "worker/recording/provenance.hpp"
+#include "worker/video/access_unit_decoder.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -25,7 +26,17 @@ Provenance provenance_of(const std::filesystem::path& recording,
     return provenance;
 }
 
-std::vector<double> size_of(const LoggedMessage& message, const Topic& topic) {
+// Returns width and height of the image of a message; {} if a decoder needs more messages for it.
+std::vector<double> size_of(const LoggedMessage& message,
+                            const Topic& topic,
+                            video::AccessUnitDecoder& decoder) {
+    if (is_video(topic)) {
+        const auto video = parse_compressed_video(topic.serialization, message.bytes);
+        const auto frames = decoder.decode(video.format, message.log_time_ns, video.unit);
+        if (frames.empty()) return {};
+        const cv::Mat& first = frames.front().pixels;
+        return {static_cast<double>(first.cols), static_cast<double>(first.rows)};
+    }
     if (topic.type.ends_with("CompressedImage")) {
         const auto image = parse_compressed_image(topic.serialization, message.bytes);
         const auto header = dive::read_image_header(image.file);
@@ -39,9 +50,11 @@ std::vector<double> size_of(const LoggedMessage& message, const Topic& topic) {
 std::vector<double> size_of_images(MessageLog& log,
                                    const std::vector<Topic>& topics,
                                    std::size_t topic) {
+    video::AccessUnitDecoder decoder;
     log.rewind();
     while (const auto message = log.next()) try {
-            if (message->topic == topic) return size_of(*message, topics[topic]);
+            if (message->topic != topic) continue;
+            if (auto size = size_of(*message, topics[topic], decoder); !size.empty()) return size;
         } catch (const Error&) {
             continue;  // it is reported where images are written
         }
@@ -74,6 +87,7 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
         progress({"import", 0.5 + 0.5 * part / static_cast<double>(log_.num_messages())});
         sorter.add(*message);
     }
+    sorter.finish();
     if (writer.num_images(Side::Left) == 0 || writer.num_images(Side::Right) == 0)
         throw Error(ErrorCode::BadData,
                     "no image of one of the cameras can be read" +

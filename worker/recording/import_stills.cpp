@@ -117,7 +117,7 @@ private:
 
 StillsImport::StillsImport(StillsOptions options, const base::ProgressCallback& progress)
     : options_(checked(std::move(options))),
-      folders_(options_.folders, findings_, progress),
+      folders_(options_.folders, findings_, progress, options_.links),
       sides_(find_camera_sides(folders_.images(), options_.cameras, findings_)),
       images_(pair_images(find_image_times(folders_, sides_, options_.times, findings_, progress),
                           findings_)) {}

@@ -17,8 +17,9 @@ namespace divemesh::recording {
 
 struct StillsOptions {
     std::vector<std::filesystem::path>
-        folders;                // one, or that of the left camera and the right one
-    std::filesystem::path out;  // folder of the dive, which must not exist
+        folders;  // one, or that of the left camera and the right one
+    Links links = Links::LeaveOut;
+    std::filesystem::path out;                       // folder of the dive, which must not exist
     std::vector<std::filesystem::path> calibration;  // as read_rig() takes them; none: as found
     std::optional<double> metres_per_unit;           // of T in them
     NamedFolders cameras;

@@ -77,6 +77,8 @@ void VideoImport::check_options() const {
     if (options_.calibration.empty())
         fail(ErrorCode::InvalidArgument,
              "a video states no calibration: state it by --calibration");
+    if (!options_.imu.empty() && options_.imu != "none")
+        fail(ErrorCode::InvalidArgument, "a video has no topics: --imu can only be none");
     if (!(options_.rate_hz > 0.0) || options_.rate_hz > kMaxRate_hz)
         fail(ErrorCode::InvalidArgument, "--rate is pairs a second, above 0 and up to 1000");
     if (options_.offset_s && !(std::abs(*options_.offset_s) <= kMaxOffset_s))

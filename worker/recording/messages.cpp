@@ -9,12 +9,10 @@ constexpr std::int64_t kNsPerS = 1'000'000'000;
 // The smallest transform: a time, the lengths of two names, seven numbers.
 constexpr std::size_t kMinTransform_bytes = 8 + 2 * 4 + 7 * 8;
 
-// Takes std_msgs/Header. That of ROS 1 begins with a number in the sequence and has seconds without
-// a sign.
-MessageHeader take_header(Deserializer& fields) {
+// Takes a time and the name of a frame. Seconds of ROS 1 have no sign.
+MessageHeader take_time_and_frame(Deserializer& fields) {
     MessageHeader header;
     if (fields.is_ros1()) {
-        fields.take<std::uint32_t>();
         header.timestamp_ns = fields.take<std::uint32_t>() * kNsPerS;
     } else {
         header.timestamp_ns = fields.take<std::int32_t>() * kNsPerS;
@@ -22,6 +20,12 @@ MessageHeader take_header(Deserializer& fields) {
     header.timestamp_ns += fields.take<std::uint32_t>();
     header.frame = fields.take_text();
     return header;
+}
+
+// Takes std_msgs/Header. That of ROS 1 begins with a number in the sequence.
+MessageHeader take_header(Deserializer& fields) {
+    if (fields.is_ros1()) fields.take<std::uint32_t>();
+    return take_time_and_frame(fields);
 }
 
 }  // namespace
@@ -51,6 +55,15 @@ CompressedImage parse_compressed_image(Serialization serialization, std::string_
     image.format = fields.take_text();
     image.file = fields.take_bytes();
     return image;
+}
+
+CompressedVideo parse_compressed_video(Serialization serialization, std::string_view bytes) {
+    Deserializer fields(serialization, bytes);
+    CompressedVideo video;
+    video.header = take_time_and_frame(fields);
+    video.unit = fields.take_bytes();
+    video.format = fields.take_text();
+    return video;
 }
 
 ImuMessage parse_imu_message(Serialization serialization, std::string_view bytes) {

@@ -36,6 +36,13 @@ struct CompressedImage {
     std::string_view file;  // PNG or JPEG, as it is
 };
 
+// foxglove_msgs/CompressedVideo: one frame of a stream, which may need those before.
+struct CompressedVideo {
+    MessageHeader header;
+    std::string_view unit;
+    std::string_view format;  // "h264" or "h265"; others exist
+};
+
 // sensor_msgs/Imu
 struct ImuMessage {
     MessageHeader header;
@@ -73,6 +80,7 @@ struct TransformMessage {
 MessageHeader parse_header(Serialization serialization, std::string_view bytes);
 RawImage parse_image(Serialization serialization, std::string_view bytes);
 CompressedImage parse_compressed_image(Serialization serialization, std::string_view bytes);
+CompressedVideo parse_compressed_video(Serialization serialization, std::string_view bytes);
 ImuMessage parse_imu_message(Serialization serialization, std::string_view bytes);
 PressureMessage parse_fluid_pressure(Serialization serialization, std::string_view bytes);
 CameraInfo parse_camera_info(Serialization serialization, std::string_view bytes);

@@ -42,18 +42,22 @@ public:
 
 private:
     void add(const LoggedMessage& message) {
-        const Serialization serialization = log_.topics()[message.topic].serialization;
-        const auto is_first = [&](std::optional<std::size_t> topic, bool& was_seen) {
-            return message.topic == topic && !std::exchange(was_seen, true);
+        const Topic& topic = log_.topics()[message.topic];
+        const Serialization serialization = topic.serialization;
+        const auto frame_of_images = [&] {
+            return is_video(topic)
+                       ? parse_compressed_video(serialization, message.bytes).header.frame
+                       : parse_header(serialization, message.bytes).frame;
+        };
+        const auto is_first = [&](std::optional<std::size_t> wanted, bool& was_seen) {
+            return message.topic == wanted && !std::exchange(was_seen, true);
         };
         if (message.topic == chosen_.left_info && !rig_.left_info)
             rig_.left_info = parse_camera_info(serialization, message.bytes);
         if (message.topic == chosen_.right_info && !rig_.right_info)
             rig_.right_info = parse_camera_info(serialization, message.bytes);
-        if (is_first(chosen_.left, saw_left_))
-            rig_.left_frame = parse_header(serialization, message.bytes).frame;
-        if (is_first(chosen_.right, saw_right_))
-            rig_.right_frame = parse_header(serialization, message.bytes).frame;
+        if (is_first(chosen_.left, saw_left_)) rig_.left_frame = frame_of_images();
+        if (is_first(chosen_.right, saw_right_)) rig_.right_frame = frame_of_images();
         if (is_first(chosen_.imu, saw_imu_))
             rig_.imu_frame = parse_header(serialization, message.bytes).frame;
         if (std::ranges::count(chosen_.transforms, message.topic) == 0) return;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "schemas/finding.hpp"
+#include "schemas/links.hpp"
 #include "schemas/truth_options.hpp"
 #include "worker/base/observer.hpp"
 
@@ -17,6 +18,7 @@ namespace divemesh::report {
 struct AccuracyReportRequest {
     std::filesystem::path reconstruction;       // see ReconstructionFolder
     std::optional<std::filesystem::path> dive;  // folder or archive, with its rig and its own truth
+    Links links = Links::LeaveOut;              // in the folder
     std::filesystem::path out;                  // created if missing
     std::filesystem::path scratch;              // the caller removes it
     // These override what the dive contains.

@@ -66,7 +66,8 @@ std::unique_ptr<dive::Dive> open_dive(const AccuracyReportRequest& request,
     auto dive = dive::Dive::open(recording::as_dive(*request.dive, request.scratch, opening),
                                  request.scratch / "dive",
                                  {},
-                                 opening);
+                                 opening,
+                                 request.links);
     const std::string expected =
         reconstruction.metrics().value(json::json_pointer("/dive/content_sha256"), std::string());
     if (!expected.empty() && dive->content_sha256() != expected)

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "worker/base/atomic_file.hpp"
+#include "worker/dive/lens_yaml.hpp"
 #include "worker/dive/sensor_yaml_text.hpp"
 
 namespace divemesh::simulator {
@@ -59,14 +60,10 @@ void write_camera_yaml(const std::filesystem::path& folder,
                        const types::Camera& camera,
                        const Eigen::Isometry3d& T_imu_cam,
                        double rate_hz) {
-    const auto& k = camera.distortion_coefficients;
     dive::SensorYaml yaml;
     yaml.T_body_sensor = T_imu_cam.matrix();
     yaml.resolution = {static_cast<double>(camera.width_px), static_cast<double>(camera.height_px)};
-    yaml.camera_model = "pinhole";
-    yaml.intrinsics = {camera.fx_px, camera.fy_px, camera.cx_px, camera.cy_px};
-    yaml.distortion_model = "radial-tangential";
-    yaml.distortion_coefficients.assign(k.begin(), k.end());
+    dive::state_lens(camera, yaml);
     write_text(folder / "sensor.yaml",
                dive::camera_yaml_text(yaml, {"rendered, global shutter", rate_hz, kRowDigits}));
 }

@@ -33,14 +33,56 @@ types::Camera draw_camera(int width_px, int height_px, double focal_px, base::Ra
     return camera;
 }
 
+// Returns coefficients as real lenses of a model have them: they bend the image inwards, by a tenth
+// at its corners.
+types::LensCoefficients draw_coefficients(types::Distortion lens, base::RandomRow& random) {
+    const auto tangential = [&] { return random.uniform(-5e-4, 5e-4); };
+    types::LensCoefficients k = {};
+    switch (lens) {
+        case types::Distortion::None:
+        case types::Distortion::RadialTangential: break;
+        case types::Distortion::Equidistant:
+            for (std::size_t i = 0; i < 4; ++i) k[i] = random.uniform(-0.02, 0.02);
+            break;
+        case types::Distortion::Rational:
+            k = {random.uniform(0.20, 0.30), random.uniform(0.02, 0.05)};
+            k[2] = tangential();
+            k[3] = tangential();
+            k[4] = random.uniform(0.001, 0.003);
+            k[5] = random.uniform(0.35, 0.40);
+            k[6] = random.uniform(0.05, 0.08);
+            k[7] = random.uniform(0.002, 0.004);
+            break;
+        case types::Distortion::Omnidirectional:
+            k = {random.uniform(1.2, 1.6), random.uniform(-0.1, 0.1), random.uniform(-0.05, 0.05)};
+            k[3] = tangential();
+            k[4] = tangential();
+            break;
+        case types::Distortion::DoubleSphere:
+            k = {random.uniform(-0.25, -0.15), random.uniform(0.54, 0.60)};
+            break;
+        case types::Distortion::ExtendedUnified:
+            k = {random.uniform(0.55, 0.65), random.uniform(1.0, 1.2)};
+            break;
+    }
+    return k;
+}
+
 }  // namespace
 
-types::Rig draw_rig(int width_px, int height_px, std::uint64_t seed) {
+types::Rig draw_rig(int width_px, int height_px, std::uint64_t seed, types::Distortion lens) {
     base::RandomRow random(base::hash64(seed, 0x726967ULL));
     types::Rig rig;
     const double focal_px = random.uniform(450.0, 540.0);
     rig.cam0 = draw_camera(width_px, height_px, focal_px, random);
     rig.cam1 = draw_camera(width_px, height_px, focal_px, random);
+    if (lens != types::Distortion::RadialTangential) {
+        base::RandomRow lens_random(base::hash64(seed, 0x6c656e73ULL));
+        for (types::Camera* camera : {&rig.cam0, &rig.cam1}) {
+            camera->distortion = lens;
+            camera->distortion_coefficients = draw_coefficients(lens, lens_random);
+        }
+    }
     Eigen::Matrix3d R_forward_cam;  // camera: x right, y down, z forward; body: forward, left, up
     R_forward_cam << 0, 0, 1, -1, 0, 0, 0, -1, 0;
     rig.T_imu_cam0.linear() = small_rotation(random, 3.0) * R_forward_cam;

@@ -84,7 +84,7 @@ public:
           water_(options.water.value_or(options.scene == SceneKind::Tank ? WaterKind::None
                                                                          : WaterKind::Green)),
           scene_(make_scene(options.scene, options.seed, options.year, options.length_m)),
-          rig_(draw_rig(options.width_px, options.height_px, options.seed)),
+          rig_(draw_rig(options.width_px, options.height_px, options.seed, options.lens)),
           stated_(state_rig(options, rig_)),
           survey_(plan_survey(options, scene_.path, water_)),
           motion_(motion_of(options, survey_)),

@@ -8,6 +8,7 @@
 #include "worker/base/observer.hpp"
 #include "worker/dive/marker_family.hpp"
 #include "worker/simulator/stretch.hpp"
+#include "worker/types/camera.hpp"
 
 namespace divemesh::simulator {
 
@@ -22,6 +23,8 @@ std::string_view to_string(SceneKind kind);
 std::string_view to_string(WaterKind kind);
 SceneKind scene_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
 WaterKind water_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
+// Returns the lens model of a name (LensModel::name). Throws Error{InvalidArgument}.
+types::Distortion lens_from_string(std::string_view text);
 
 // Options of a simulated dive.
 struct SimulateOptions {
@@ -62,6 +65,8 @@ struct SimulateOptions {
     double stereo_offset_ms = 0.0;    // delay of the right camera that its timestamps do not show
     double calibration_error = 0.0;   // times typical: draw_calibration_error()
     double vertical_misalignment_px = 0.0;  // of rectified images; not in the calibration
+
+    types::Distortion lens = types::Distortion::RadialTangential;  // of both cameras
 };
 
 // Renders a dive with exact ground truth into `options.out`: images, IMU, AHRS, trajectory,

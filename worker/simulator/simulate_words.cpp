@@ -1,4 +1,7 @@
+#include <vector>
+
 #include "schemas/enum_text.hpp"
+#include "worker/camera/lens_model.hpp"
 #include "worker/simulator/simulate.hpp"
 
 namespace divemesh::simulator {
@@ -25,6 +28,13 @@ SceneKind scene_kind_from_string(std::string_view text) {
 
 WaterKind water_kind_from_string(std::string_view text) {
     return enum_from_text<WaterKind>(kWaterTexts, text, "water");
+}
+
+types::Distortion lens_from_string(std::string_view text) {
+    std::vector<EnumText<types::Distortion>> names;
+    for (const camera::LensModel& model : camera::lens_models())
+        names.push_back({model.distortion, model.name});
+    return enum_from_text<types::Distortion>(names, text, "camera model");
 }
 
 }  // namespace divemesh::simulator

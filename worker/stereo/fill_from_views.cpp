@@ -29,8 +29,25 @@ constexpr float kSimilar_grey = 20.0F;  // grey difference at which a sample cou
 constexpr float kMaxSlope = 0.7F;       // of disparity per pixel
 constexpr float kMinSigma_px = 0.3F;    // along the neighbour's epipolar line
 constexpr float kMaxSigma_full_px = 3.0F;
+constexpr float kMinDepth = 0.01F;  // in a neighbour, of the depth in the image to fill
 constexpr float kWorst = 2.0F;
 constexpr int kMinIsland_px = 40;
+
+// Where the samples of a window are, from its centre.
+struct Offsets {
+    std::array<float, kNumSamples> u;
+    std::array<float, kNumSamples> v;
+};
+constexpr Offsets kOffsets = [] {
+    Offsets offsets{};
+    std::size_t i = 0;
+    for (int dv = -kMargin_px; dv <= kMargin_px; dv += kStride_px)
+        for (int du = -kMargin_px; du <= kMargin_px; du += kStride_px, ++i) {
+            offsets.u[i] = static_cast<float>(du);
+            offsets.v[i] = static_cast<float>(dv);
+        }
+    return offsets;
+}();
 
 // A plane is linear in disparity.
 struct Plane {
@@ -38,23 +55,13 @@ struct Plane {
     float slope_u = 0.0F;
     float slope_v = 0.0F;
 
-    float at(int du, int dv) const {
-        return disparity_px + slope_u * static_cast<float>(du) + slope_v * static_cast<float>(dv);
+    // The same plane at another pixel.
+    Plane moved(int du, int dv) const {
+        const float there_px =
+            disparity_px + slope_u * static_cast<float>(du) + slope_v * static_cast<float>(dv);
+        return {there_px, slope_u, slope_v};
     }
 };
-
-// Maps a pixel and its disparity to a neighbour: in homogeneous coordinates M (u, v, 1) + m d.
-struct Projection {
-    Eigen::Matrix3f M;
-    Eigen::Vector3f m;
-};
-
-Projection projection_of(const types::RectifiedRig& rig, const Eigen::Isometry3d& T_other_cam) {
-    Eigen::Matrix3d K;
-    K << rig.focal_px, 0.0, rig.cx_px, 0.0, rig.focal_px, rig.cy_px, 0.0, 0.0, 1.0;
-    return {(K * T_other_cam.linear() * K.inverse()).cast<float>(),
-            (K * T_other_cam.translation() / (rig.focal_px * rig.baseline_m)).cast<float>()};
-}
 
 types::RectifiedRig reduced(types::RectifiedRig rig, int step_px) {
     rig.width_px /= step_px;
@@ -103,7 +110,7 @@ public:
         : rig_(reduced(rig, step_px)), step_px_(step_px), left_(reduced(left, rig_, step_px)) {
         for (const NeighbourView& neighbour : neighbours) {
             views_.push_back(reduced(neighbour.left, rig_, step_px));
-            projections_.push_back(projection_of(rig_, neighbour.T_other_cam));
+            projections_.emplace_back(rig_, neighbour.T_other_cam);
         }
         cv::Mat grey;
         left_.convertTo(grey, CV_8U);
@@ -223,37 +230,58 @@ private:
     // Returns 1 - correlation of the window with what a view shows of the plane; kWorst if a part
     // is out of sight.
     float cost_in(std::size_t view, const Window& window, int u, int v, const Plane& plane) const {
-        const Projection& projection = projections_[view];
         const cv::Mat& image = views_[view];
-        const auto max_u = static_cast<float>(image.cols - 1),
-                   max_v = static_cast<float>(image.rows - 1);
+        std::array<float, kNumSamples> across, down;
+        if (!project(projections_[view], u, v, plane, image.size(), across, down)) return kWorst;
         float sum = 0.0F, squares = 0.0F, product = 0.0F;
-        int i = 0;
-        for (int dv = -kMargin_px; dv <= kMargin_px; dv += kStride_px)
-            for (int du = -kMargin_px; du <= kMargin_px; du += kStride_px, ++i) {
-                const float d = plane.at(du, dv);
-                const auto x = static_cast<float>(u + du), y = static_cast<float>(v + dv);
-                const Eigen::Matrix3f& M = projection.M;
-                const Eigen::Vector3f& m = projection.m;
-                const float w = M(2, 0) * x + M(2, 1) * y + M(2, 2) + m[2] * d;
-                if (d <= 0.0F || w <= 0.01F) return kWorst;
-                const float a = (M(0, 0) * x + M(0, 1) * y + M(0, 2) + m[0] * d) / w;
-                const float b = (M(1, 0) * x + M(1, 1) * y + M(1, 2) + m[1] * d) / w;
-                if (!(a >= 0.0F && b >= 0.0F && a < max_u && b < max_v)) return kWorst;
-                const int left = static_cast<int>(a), top = static_cast<int>(b);
-                const float p = a - static_cast<float>(left), q = b - static_cast<float>(top);
-                const float* above = image.ptr<float>(top) + left;
-                const float* below = image.ptr<float>(top + 1) + left;
-                const float value = (1.0F - q) * ((1.0F - p) * above[0] + p * above[1]) +
-                                    q * ((1.0F - p) * below[0] + p * below[1]);
-                const float weighted = window.weight[i] * value;
-                sum += weighted;
-                squares += weighted * value;
-                product += weighted * window.value[i];
-            }
+        for (std::size_t i = 0; i < kNumSamples; ++i) {
+            const int left = static_cast<int>(across[i]), top = static_cast<int>(down[i]);
+            const float p = across[i] - static_cast<float>(left);
+            const float q = down[i] - static_cast<float>(top);
+            const float* above = image.ptr<float>(top) + left;
+            const float* below = image.ptr<float>(top + 1) + left;
+            const float value = (1.0F - q) * ((1.0F - p) * above[0] + p * above[1]) +
+                                q * ((1.0F - p) * below[0] + p * below[1]);
+            const float weighted = window.weight[i] * value;
+            sum += weighted;
+            squares += weighted * value;
+            product += weighted * window.value[i];
+        }
         const float variance = squares - sum * sum;
         if (variance < 0.25F * min_deviation_ * min_deviation_) return 1.0F;
         return 1.0F - product / std::sqrt(variance * window.variance);
+    }
+
+    // Maps the samples of the window to a view. Returns false if one is out of sight.
+    static bool project(const ViewProjection& projection,
+                        int u,
+                        int v,
+                        const Plane& plane,
+                        cv::Size size,
+                        std::array<float, kNumSamples>& across,
+                        std::array<float, kNumSamples>& down) {
+        const Eigen::Matrix3f& M = projection.M;
+        const Eigen::Vector3f& m = projection.m;
+        const Eigen::Vector3f from =
+            M * Eigen::Vector3f(static_cast<float>(u), static_cast<float>(v), 1.0F) +
+            m * plane.disparity_px;
+        const Eigen::Vector3f step_u = M.col(0) + m * plane.slope_u;
+        const Eigen::Vector3f step_v = M.col(1) + m * plane.slope_v;
+        const auto max_u = static_cast<float>(size.width - 1);
+        const auto max_v = static_cast<float>(size.height - 1);
+        int num_seen = 0;
+        for (std::size_t i = 0; i < kNumSamples; ++i) {
+            const float du = kOffsets.u[i], dv = kOffsets.v[i];
+            const float d = plane.disparity_px + plane.slope_u * du + plane.slope_v * dv;
+            const float w = from.z() + step_u.z() * du + step_v.z() * dv;
+            const float inverse = 1.0F / w;
+            across[i] = (from.x() + step_u.x() * du + step_v.x() * dv) * inverse;
+            down[i] = (from.y() + step_u.y() * du + step_v.y() * dv) * inverse;
+            num_seen += static_cast<int>(d > 0.0F) & static_cast<int>(w > kMinDepth) &
+                        static_cast<int>(across[i] >= 0.0F) & static_cast<int>(down[i] >= 0.0F) &
+                        static_cast<int>(across[i] < max_u) & static_cast<int>(down[i] < max_v);
+        }
+        return num_seen == kNumSamples;
     }
 
     struct Score {
@@ -315,7 +343,7 @@ private:
                 if (x < 0 || y < 0 || x >= rig_.width_px || y >= rig_.height_px) continue;
                 const Plane& there = planes_[index(x, y)];
                 if (there.disparity_px <= 0.0F) continue;
-                attempt({there.at(u - x, v - y), there.slope_u, there.slope_v});
+                attempt(there.moved(u - x, v - y));
             }
         }
         attempt({0.5F * (min_disparity_px_ + max_disparity_px_ +
@@ -382,7 +410,7 @@ private:
 
     // Returns how far a pixel moves in a view per px of disparity.
     float shift_px(std::size_t view, int u, int v, float disparity_px) const {
-        const Projection& projection = projections_[view];
+        const ViewProjection& projection = projections_[view];
         const Eigen::Vector3f pixel(static_cast<float>(u), static_cast<float>(v), 1.0F);
         const Eigen::Vector3f here = projection.M * pixel + projection.m * disparity_px;
         const Eigen::Vector3f there = here + projection.m * 0.1F;
@@ -415,7 +443,7 @@ private:
     int step_px_;
     cv::Mat left_;
     std::vector<cv::Mat> views_;  // CV_32F
-    std::vector<Projection> projections_;
+    std::vector<ViewProjection> projections_;
     float min_deviation_ = 0.0F;
     float min_disparity_px_ = 0.0F;
     float max_disparity_px_ = 0.0F;

@@ -1,19 +1,13 @@
 #pragma once
 
-#include <Eigen/Geometry>
 #include <opencv2/core/mat.hpp>
 #include <span>
 
+#include "worker/stereo/neighbour_view.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/rectified_rig.hpp"
 
 namespace divemesh::stereo {
-
-// Another frame that shows the same scene.
-struct NeighbourView {
-    cv::Mat left;                   // CV_8UC1, rectified, of the same rig
-    Eigen::Isometry3d T_other_cam;  // from the camera whose holes are filled to this one
-};
 
 // Measures depth where one pair could not: what one eye alone sees, and texture that only more
 // views and a wider baseline resolve. Planes spread from the measured surface into the holes and

@@ -4,16 +4,29 @@
 
 namespace divemesh::types {
 
-// The lens models: radial-tangential (Brown 1966) and equidistant (Kannala and Brandt 2006). A
-// projection of its own kind is one more value here.
-enum class Distortion { None, RadialTangential, Equidistant };
+// The lens models; worker/camera/lens_model.hpp tells what each of them does:
+// None               pinhole
+// RadialTangential   k1 k2 p1 p2 (Brown 1966)
+// Equidistant        k1 k2 k3 k4 (Kannala and Brandt 2006)
+// Rational           k1 k2 p1 p2 k3 k4 k5 k6 (OpenCV); with k3 alone the radial-tangential one of
+//                    five coefficients
+// Omnidirectional    xi k1 k2 p1 p2 (Mei and Rives 2007)
+// DoubleSphere       xi alpha (Usenko, Demmel and Cremers 2018)
+// ExtendedUnified    alpha beta (Khomutenko, Garcia and Martinet 2016)
+enum class Distortion {
+    None,
+    RadialTangential,
+    Equidistant,
+    Rational,
+    Omnidirectional,
+    DoubleSphere,
+    ExtendedUnified
+};
 
-inline constexpr std::array kDistortions = {
-    Distortion::None, Distortion::RadialTangential, Distortion::Equidistant};
+using LensCoefficients = std::array<double, 8>;  // those that a model has not are 0
 
-// The calibration of one camera: pinhole with lens distortion, pixel centres at integers (OpenCV).
-// fx_px and fy_px are pixels per radian on the axis, whatever the model: a reader converts them.
-// Distortion coefficients: k1 k2 p1 p2 (radial-tangential) or k1 k2 k3 k4 (equidistant).
+// The calibration of one camera, pixel centres at integers (OpenCV). fx_px and fy_px are pixels per
+// radian on the axis, whatever the model: a reader converts them.
 struct Camera {
     int width_px = 0;
     int height_px = 0;
@@ -22,7 +35,7 @@ struct Camera {
     double cx_px = 0.0;
     double cy_px = 0.0;
     Distortion distortion = Distortion::RadialTangential;
-    std::array<double, 4> distortion_coefficients = {0.0, 0.0, 0.0, 0.0};
+    LensCoefficients distortion_coefficients = {};
     // Refractive index of the medium in which the camera records over that in which it was
     // calibrated. Not 1: rays are refracted at a flat port before they reach the lens.
     double refractive_index = 1.0;

@@ -24,6 +24,19 @@ Handle owned(typename Handle::pointer allocated) {
                     ": export the video as H.264 with the camera's own program");
 }
 
+void check(int code, const AVCodecContext& codec) {
+    if (code < 0) fail(avcodec_get_name(codec.codec_id), libav_text(code));
+}
+
+CodecHandle new_decoder(AVCodecID id, int num_threads) {
+    const AVCodec* decoder = avcodec_find_decoder(id);
+    if (decoder == nullptr) fail(avcodec_get_name(id), "libavcodec has no decoder");
+    auto codec = owned<CodecHandle>(avcodec_alloc_context3(decoder));
+    codec->max_pixels = dive::DiveLimits{}.max_image_pixels;
+    codec->thread_count = num_threads;
+    return codec;
+}
+
 }  // namespace
 
 PacketHandle new_packet() { return owned<PacketHandle>(av_packet_alloc()); }
@@ -45,17 +58,18 @@ void prepare_libav() {
 }
 
 CodecHandle open_decoder(const AVStream& stream, int num_threads) {
-    const AVCodecID id = stream.codecpar->codec_id;
-    const std::string name = avcodec_get_name(id);
-    const AVCodec* decoder = avcodec_find_decoder(id);
-    if (decoder == nullptr) fail(name, "libavcodec has no decoder");
-    auto codec = owned<CodecHandle>(avcodec_alloc_context3(decoder));
-    int code = avcodec_parameters_to_context(codec.get(), stream.codecpar);
-    codec->max_pixels = dive::DiveLimits{}.max_image_pixels;
+    auto codec = new_decoder(stream.codecpar->codec_id, num_threads);
     codec->pkt_timebase = stream.time_base;
-    codec->thread_count = num_threads;
-    if (code >= 0) code = avcodec_open2(codec.get(), decoder, nullptr);
-    if (code < 0) fail(name, libav_text(code));
+    check(avcodec_parameters_to_context(codec.get(), stream.codecpar), *codec);
+    check(avcodec_open2(codec.get(), nullptr, nullptr), *codec);
+    return codec;
+}
+
+CodecHandle open_decoder(AVCodecID id, int num_threads) {
+    prepare_libav();
+    auto codec = new_decoder(id, num_threads);
+    codec->pkt_timebase = {1, 1'000'000'000};
+    check(avcodec_open2(codec.get(), nullptr, nullptr), *codec);
     return codec;
 }
 

@@ -47,5 +47,7 @@ void prepare_libav();
 
 // Opens the decoder of a stream. Throws Error{BadData} if there is none, or it refuses the stream.
 CodecHandle open_decoder(const AVStream& stream, int num_threads);
+// Opens the decoder of a stream that is in no file, whose times are nanoseconds. Throws the same.
+CodecHandle open_decoder(AVCodecID codec, int num_threads);
 
 }  // namespace divemesh::video

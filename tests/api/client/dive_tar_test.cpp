@@ -58,7 +58,7 @@ protected:
 };
 
 TEST_F(DiveTarTest, IsWhatTarUnpacksToTheSameFiles) {
-    DiveTar tar(dive);
+    DiveTar tar(dive, Links::LeaveOut);
     write_file(folder / "dive.tar", read_from(tar, 0, 1000));
     EXPECT_EQ(fs::file_size(folder / "dive.tar"), tar.size_bytes());
     fs::create_directory(folder / "unpacked");
@@ -69,7 +69,7 @@ TEST_F(DiveTarTest, IsWhatTarUnpacksToTheSameFiles) {
 }
 
 TEST_F(DiveTarTest, ListsItsNamesSortedWithFixedTimesAndOwners) {
-    DiveTar tar(dive);
+    DiveTar tar(dive, Links::LeaveOut);
     write_file(folder / "dive.tar", read_from(tar, 0, 4096));
     const auto listing = output_of("TZ=UTC tar --numeric-owner -tvf '" +
                                    (folder / "dive.tar").string() + "' | head -2");
@@ -79,14 +79,14 @@ TEST_F(DiveTarTest, ListsItsNamesSortedWithFixedTimesAndOwners) {
 }
 
 TEST_F(DiveTarTest, CanBeReadFromAnyOffset) {
-    DiveTar tar(dive);
+    DiveTar tar(dive, Links::LeaveOut);
     const std::string whole = read_from(tar, 0, 1 << 20);
     for (std::int64_t offset = 0; offset <= tar.size_bytes(); offset += 97)
         ASSERT_EQ(read_from(tar, offset, 333), whole.substr(static_cast<std::size_t>(offset)));
 }
 
 TEST_F(DiveTarTest, HashesWhatItSendsAndTheDivesIdentity) {
-    DiveTar tar(dive);
+    DiveTar tar(dive, Links::LeaveOut);
     const DiveHashes hashes = tar.hash([](std::int64_t) {});
     EXPECT_EQ(hashes.archive_sha256, sha256_hex(read_from(tar, 0, 1 << 20)));
     const auto expected = output_of("cd '" + dive.string() +
@@ -97,27 +97,50 @@ TEST_F(DiveTarTest, HashesWhatItSendsAndTheDivesIdentity) {
 
 TEST_F(DiveTarTest, IsTheSameDiveWhenMav0ItselfIsGiven) {
     fs::remove(dive / "dive.json");
-    DiveTar parent(dive);
-    DiveTar mav0(dive / "mav0");
+    DiveTar parent(dive, Links::LeaveOut);
+    DiveTar mav0(dive / "mav0", Links::LeaveOut);
     EXPECT_EQ(mav0.hash([](std::int64_t) {}).archive_sha256,
               parent.hash([](std::int64_t) {}).archive_sha256);
 }
 
 TEST_F(DiveTarTest, LeavesOutLinksAndSaysSo) {
     fs::create_symlink("/etc/passwd", dive / "mav0/link");
-    const DiveTar tar(dive);
+    const DiveTar tar(dive, Links::LeaveOut);
     EXPECT_EQ(tar.left_out(), std::vector<std::string>{"mav0/link"});
+    EXPECT_EQ(tar.num_files(), 7U);
+}
+
+TEST_F(DiveTarTest, SendsWhatLinksLeadToUnderTheirNames) {
+    fs::rename(dive / "mav0/cam1", folder / "right");
+    fs::create_symlink("../../right", dive / "mav0/cam1");
+    fs::rename(dive / "mav0/block", dive / "block");
+    fs::create_symlink("../block", dive / "mav0/block");
+    fs::create_directories(folder / "copy");
+    output_of("cp -rL '" + dive.string() + "' '" + (folder / "copy").string() + "'");
+    DiveTar tar(dive, Links::Follow);
+    DiveTar copy(folder / "copy" / dive.filename(), Links::LeaveOut);
+    EXPECT_EQ(read_from(tar, 0, 1 << 20), read_from(copy, 0, 1 << 20));
+    EXPECT_TRUE(tar.left_out().empty());
+}
+
+TEST_F(DiveTarTest, LeavesOutLinksThatLeadNowhereOrBackAndWhatGitKeeps) {
+    fs::create_symlink("gone.png", dive / "mav0/gone");
+    fs::create_symlink("..", dive / "mav0/back");
+    fs::create_symlink("/dev/zero", dive / "mav0/endless");
+    write_file(dive / ".git/config", "kept by Git");
+    const DiveTar tar(dive, Links::Follow);
+    EXPECT_EQ(tar.left_out(), (std::vector<std::string>{"mav0/back", "mav0/endless", "mav0/gone"}));
     EXPECT_EQ(tar.num_files(), 7U);
 }
 
 TEST_F(DiveTarTest, RefusesAFolderThatIsNoDive) {
     fs::create_directory(folder / "other");
-    EXPECT_THROW(DiveTar(folder / "other"), Error);
-    EXPECT_THROW(DiveTar(folder.path()), Error);  // the parent folder of a dive
+    EXPECT_THROW(DiveTar(folder / "other", Links::LeaveOut), Error);
+    EXPECT_THROW(DiveTar(folder.path(), Links::LeaveOut), Error);  // the parent folder of a dive
 }
 
 TEST_F(DiveTarTest, NoticesAFileThatChangedMeanwhile) {
-    DiveTar tar(dive);
+    DiveTar tar(dive, Links::LeaveOut);
     write_file(dive / "mav0/block", std::string(513, 'b'));
     EXPECT_THROW(read_from(tar, 0, 4096), Error);
 }

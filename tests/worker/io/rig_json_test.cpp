@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "schemas/error.hpp"
+#include "worker/camera/lens_model.hpp"
 
 namespace divemesh::io {
 namespace {
@@ -33,12 +34,25 @@ TEST(RigJsonTest, GivesBackTheRigThatWasWritten) {
 }
 
 TEST(RigJsonTest, GivesBackEveryLensModel) {
-    for (const types::Distortion distortion : types::kDistortions) {
+    for (const camera::LensModel& model : camera::lens_models()) {
         types::Rig rig;
-        rig.cam1.distortion = distortion;
-        EXPECT_FALSE(to_string(distortion).empty());
-        EXPECT_EQ(rig_from_json(to_json(rig)).cam1.distortion, distortion);
+        rig.cam1.distortion = model.distortion;
+        for (std::size_t i = 0; i < model.num_coefficients; ++i)
+            rig.cam1.distortion_coefficients[i] = 0.1 * static_cast<double>(i + 1);
+        EXPECT_FALSE(to_string(model.distortion).empty());
+
+        const types::Camera read = rig_from_json(to_json(rig)).cam1;
+
+        EXPECT_EQ(read.distortion, model.distortion);
+        EXPECT_EQ(read.distortion_coefficients, rig.cam1.distortion_coefficients);
     }
+}
+
+TEST(RigJsonTest, RefusesMoreCoefficientsThanAnyLensHas) {
+    nlohmann::json entry = to_json(types::Rig());
+    EXPECT_EQ(entry["cam1"]["distortion"].size(), 4U);
+    entry["cam1"]["distortion"] = std::vector<double>(9, 0.0);
+    EXPECT_THROW(rig_from_json(entry), Error);
 }
 
 TEST(RigJsonTest, RefusesALensThatItDoesNotKnow) {

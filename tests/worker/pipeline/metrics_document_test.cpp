@@ -10,6 +10,7 @@
 #include <valijson/validator.hpp>
 
 #include "tests/paths.hpp"
+#include "worker/camera/lens_model.hpp"
 #include "worker/io/rig_json.hpp"
 
 namespace divemesh::pipeline {
@@ -201,8 +202,7 @@ void collect_fields(const json& schema, const std::string& name, std::vector<jso
 
 TEST(MetricsDocument, TheSchemaKnowsEveryLensModelWhereverACameraIsDescribed) {
     json names = json::array();
-    for (const types::Distortion distortion : types::kDistortions)
-        names.push_back(io::to_string(distortion));
+    for (const camera::LensModel& model : camera::lens_models()) names.push_back(model.name);
     std::vector<json> found;
     collect_fields(
         json::parse(std::ifstream(source_directory() / "schemas" / "metrics.schema.json")),

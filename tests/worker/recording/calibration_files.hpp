@@ -94,7 +94,7 @@ protected:
         EXPECT_EQ(rig.cam1.camera.fx_px, 490.3);
         EXPECT_EQ(rig.cam0.camera.distortion, types::Distortion::RadialTangential);
         EXPECT_EQ(rig.cam0.camera.distortion_coefficients,
-                  (std::array{-0.121, 0.0312, 0.00041, -0.00032}));
+                  (types::LensCoefficients{-0.121, 0.0312, 0.00041, -0.00032}));
         EXPECT_EQ(rig.cam1.camera.distortion_coefficients[0], -0.119);
         // A point 1.7 m before the right camera, where the left one sees it.
         const Eigen::Vector3d p_cam1(0.3, -0.2, 1.7);

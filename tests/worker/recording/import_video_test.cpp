@@ -242,6 +242,7 @@ TEST_F(ImportVideoTest, WhatCannotBeIsRefusedWithWhatToDo) {
         [&](VideoImportOptions& o) { o.videos[1] = other; },
         [&](VideoImportOptions& o) { o.videos[1] = folder_ / "text.mkv"; },
         [&](VideoImportOptions& o) { o.videos[1] = folder_ / "missing.mkv"; },
+        [&](VideoImportOptions& o) { o.imu = "/imu/data"; },
         [&](VideoImportOptions& o) { o.rate_hz = 0.0; },
         [&](VideoImportOptions& o) { o.rate_hz = std::nan(""); },
         [&](VideoImportOptions& o) { o.rate_hz = 1e9; },

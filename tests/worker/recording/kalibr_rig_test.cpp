@@ -71,15 +71,49 @@ TEST_F(KalibrRigTest, AChainThatContradictsItselfIsRefused) {
 }
 
 TEST_F(KalibrRigTest, ModelsOfKalibrThatAreNotReadAreRefusedWithWhatToDo) {
-    for (const char* model : {"omni", "ds", "eucm"}) {
-        std::string text = camchain();
-        text.replace(text.find("pinhole"), 7, model);
-        EXPECT_NE(refusal_of({file("c", text)}).find("pinhole-radtan"), std::string::npos) << model;
-    }
+    std::string fov = camchain();
+    fov.replace(fov.find("pinhole"), 7, "sphere");
+    EXPECT_NE(refusal_of({file("c", fov)}).find("pinhole-radtan"), std::string::npos);
+    std::string too_few = camchain();
+    too_few.replace(too_few.find("pinhole"), 7, "ds");
+    EXPECT_NE(refusal_of({file("c", too_few)}).find("xi, alpha, fu"), std::string::npos);
     std::string equi = camchain();
     for (std::size_t at = equi.find("radtan"); at != equi.npos; at = equi.find("radtan"))
         equi.replace(at, 6, "equidistant");
     EXPECT_EQ(read({file("c", equi)}).cam1.camera.distortion, types::Distortion::Equidistant);
+}
+
+// A chain of Kalibr with both cameras of another model.
+TEST_F(KalibrRigTest, OmniDoubleSphereAndExtendedUnifiedAreRead) {
+    const auto lens =
+        [&](const std::string& model, const std::string& leading, const std::string& distortion) {
+            std::string text = camchain();
+            const auto replace_all = [&](const std::string& from, const std::string& to) {
+                for (std::size_t at = text.find(from); at != text.npos;
+                     at = text.find(from, at + to.size()))
+                    text.replace(at, from.size(), to);
+            };
+            replace_all("pinhole", model);
+            replace_all("intrinsics: [", "intrinsics: [" + leading);
+            if (distortion == "none")
+                replace_all("distortion_model: radtan", "distortion_model: none");
+            return read({file("c", text)}).cam0.camera;
+        };
+    const types::Camera ds = lens("ds", "-0.2, 0.6, ", "none");
+    EXPECT_EQ(ds.distortion, types::Distortion::DoubleSphere);
+    EXPECT_EQ(ds.distortion_coefficients, (types::LensCoefficients{-0.2, 0.6}));
+    EXPECT_DOUBLE_EQ(ds.fx_px, 489.6 / 0.8);
+    const types::Camera eucm = lens("eucm", "0.6, 1.1, ", "none");
+    EXPECT_EQ(eucm.distortion, types::Distortion::ExtendedUnified);
+    EXPECT_EQ(eucm.distortion_coefficients, (types::LensCoefficients{0.6, 1.1}));
+    EXPECT_EQ(eucm.fx_px, 489.6);
+    const types::Camera omni = lens("omni", "1.5, ", "radtan");
+    EXPECT_EQ(omni.distortion, types::Distortion::Omnidirectional);
+    EXPECT_EQ(omni.distortion_coefficients,
+              (types::LensCoefficients{1.5, -0.121, 0.0312, 0.00041, -0.00032}));
+    EXPECT_DOUBLE_EQ(omni.fx_px, 489.6 / 2.5);
+    EXPECT_EQ(lens("omni", "1.5, ", "none").distortion_coefficients,
+              (types::LensCoefficients{1.5}));
 }
 
 }  // namespace

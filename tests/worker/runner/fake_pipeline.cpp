@@ -132,7 +132,8 @@ void wait_once(const fs::path& marker, const base::ProgressCallback& progress) {
 dive::IntakeReport dive::examine_dive(const fs::path&,
                                       const fs::path&,
                                       const base::ProgressCallback& progress,
-                                      const dive::RecordingCheck&) {
+                                      const dive::RecordingCheck&,
+                                      Links) {
     progress({.stage = "intake", .fraction = 1.0});
     return {.findings = {{.severity = Severity::Info, .code = "fake"}},
             .name = "fake",
