@@ -6,8 +6,9 @@
 
 namespace divemesh::boards {
 
-// Checkerboard: corners where four squares meet. AprilGrid: the corners of tags of family tag36h11,
-// numbered from the lower left one to the right, then up, as Kalibr prints them.
+// Checkerboard: corners where four squares meet. AprilGrid: the corners of tags of family tag36h11
+// with a border of two black cells, numbered from the lower left one to the right, then up, and
+// with a black square at each corner, as Kalibr prints them.
 enum class BoardKind { Checkerboard, AprilGrid };
 
 // A calibration board. Frame `board`: x along a row, y along a column, z normal to the board;

@@ -37,7 +37,7 @@ double rms_px(const boards::Board& board, types::Distortion distortion) {
         truth.push_back({i, *camera::project(camera, T * board.corner_m(i))});
     // Turned by 180 degrees this checkerboard looks the same.
     const auto corners = boards::numbered_alike(
-        truth, boards::find_board(rendered_board(camera, board, T), board), board);
+        truth, boards::find_board(rendered_board(ImageRays(camera), board, T), board), board);
     EXPECT_EQ(static_cast<int>(corners.size()), board.num_corners());
     double squares = 0.0;
     for (const boards::BoardCorner& corner : corners)

@@ -1,7 +1,7 @@
 #include "tests/worker/board_calibration/synthetic_boards.hpp"
 
+#include <Eigen/Geometry>
 #include <cmath>
-#include <numbers>
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/camera/projection.hpp"
@@ -47,7 +47,9 @@ double checkerboard_brightness(const boards::Board& board, const Eigen::Vector2d
 }
 
 // Kalibr's grid: tags from the lower left one on, black squares where the corners of four meet.
-double april_grid_brightness(const boards::Board& board, const Eigen::Vector2d& p_m) {
+double april_grid_brightness(const boards::Board& board,
+                             const std::vector<cv::Mat>& tags,
+                             const Eigen::Vector2d& p_m) {
     const double step_m = board.column_step_m;
     const double gap_m = step_m - board.tag_size_m;
     if (p_m.x() < -2.0 * gap_m || p_m.y() < -2.0 * gap_m ||
@@ -61,12 +63,19 @@ double april_grid_brightness(const boards::Board& board, const Eigen::Vector2d& 
     if (x_m < 0.0 || y_m < 0.0) return x_m < 0.0 && y_m < 0.0 ? kBlack : kWhite;
     if (column >= board.num_columns || row >= board.num_rows) return kWhite;
     // A border of two black cells: the family's tag without its white rim and one more black cell.
-    const cv::Mat tag =
-        markers::tag_image(dive::MarkerFamily::Tag36h11, row * board.num_columns + column);
+    const cv::Mat& tag = tags[static_cast<std::size_t>(row * board.num_columns + column)];
     const int u = static_cast<int>(x_m / (0.1 * board.tag_size_m));
     const int v = 9 - static_cast<int>(y_m / (0.1 * board.tag_size_m));
     if (std::min(u, v) < 1 || std::max(u, v) > 8) return kBlack;
     return tag.at<std::uint8_t>(v, u) == 0 ? kBlack : kWhite;
+}
+
+std::vector<cv::Mat> tags_of(const boards::Board& board) {
+    std::vector<cv::Mat> tags;
+    if (board.kind == boards::BoardKind::AprilGrid)
+        for (int id = 0; id < board.num_columns * board.num_rows; ++id)
+            tags.push_back(markers::tag_image(dive::MarkerFamily::Tag36h11, id));
+    return tags;
 }
 
 }  // namespace
@@ -130,19 +139,39 @@ std::vector<boards::BoardView> drawn_views(const RigParameters& rig,
     return views;
 }
 
-cv::Mat rendered_board(const types::Camera& camera,
+ImageRays::ImageRays(const types::Camera& camera) : width_px_(camera.width_px) {
+    for (int v = 0; v <= camera.height_px; ++v)
+        for (int u = 0; u <= camera.width_px; ++u)
+            at_.push_back(camera::unproject(camera, {u - 0.5, v - 0.5}).hnormalized());
+}
+
+Eigen::Vector3d ImageRays::ray(double column, double row) const {
+    const auto u = static_cast<std::size_t>(column);
+    const auto v = static_cast<std::size_t>(row);
+    const std::size_t line = static_cast<std::size_t>(width_px_) + 1;
+    const Eigen::Vector2d* upper = &at_[v * line + u];
+    const Eigen::Vector2d* lower = upper + line;
+    const double right = column - static_cast<double>(u);
+    const double down = row - static_cast<double>(v);
+    const Eigen::Vector2d ray = (1.0 - down) * ((1.0 - right) * upper[0] + right * upper[1]) +
+                                down * ((1.0 - right) * lower[0] + right * lower[1]);
+    return ray.homogeneous();
+}
+
+cv::Mat rendered_board(const ImageRays& rays,
                        const boards::Board& board,
                        const Eigen::Isometry3d& T_cam_board) {
-    cv::Mat image(camera.height_px, camera.width_px, CV_8UC1);
+    const std::vector<cv::Mat> tags = tags_of(board);
+    cv::Mat image(rays.height_px(), rays.width_px(), CV_8UC1);
     const Eigen::Isometry3d T_board_cam = T_cam_board.inverse();
     const Eigen::Vector3d eye = T_board_cam.translation();
     for (int v = 0; v < image.rows; ++v)
         for (int u = 0; u < image.cols; ++u) {
             double sum = 0.0;
             for (int k = 0; k < kNumRays * kNumRays; ++k) {
-                const Eigen::Vector2d pixel(u - 0.5 + (k % kNumRays + 0.5) / kNumRays,
-                                            v - 0.5 + (k / kNumRays + 0.5) / kNumRays);
-                const Eigen::Vector3d ray = T_board_cam.linear() * camera::unproject(camera, pixel);
+                const Eigen::Vector3d ray =
+                    T_board_cam.linear() * rays.ray(u + (k % kNumRays + 0.5) / kNumRays,
+                                                    v + (k / kNumRays + 0.5) / kNumRays);
                 const double at = -eye.z() / ray.z();
                 const Eigen::Vector2d p_m = (eye + at * ray).head<2>();
                 if (!(at > 0.0))
@@ -150,7 +179,7 @@ cv::Mat rendered_board(const types::Camera& camera,
                 else
                     sum += board.kind == boards::BoardKind::Checkerboard
                                ? checkerboard_brightness(board, p_m)
-                               : april_grid_brightness(board, p_m);
+                               : april_grid_brightness(board, tags, p_m);
             }
             image.at<std::uint8_t>(v, u) =
                 static_cast<std::uint8_t>(std::lround(sum / (kNumRays * kNumRays)));

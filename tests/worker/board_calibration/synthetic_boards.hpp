@@ -29,8 +29,23 @@ std::vector<boards::BoardView> drawn_views(const RigParameters& rig,
                                            double sigma_px,
                                            std::mt19937_64& random);
 
+// The rays of a camera before the lens, at the corners of its pixels and linear between them.
+class ImageRays {
+public:
+    explicit ImageRays(const types::Camera& camera);
+
+    int width_px() const { return width_px_; }
+    int height_px() const { return static_cast<int>(at_.size()) / (width_px_ + 1) - 1; }
+    // Returns the ray, at z = 1, through a point that is so far from the image's upper left corner.
+    Eigen::Vector3d ray(double column, double row) const;
+
+private:
+    int width_px_;
+    std::vector<Eigen::Vector2d> at_;
+};
+
 // Returns the image of a board on grey ground through a lens: the mean of 4 x 4 rays a pixel.
-cv::Mat rendered_board(const types::Camera& camera,
+cv::Mat rendered_board(const ImageRays& rays,
                        const boards::Board& board,
                        const Eigen::Isometry3d& T_cam_board);
 
