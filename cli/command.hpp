@@ -33,6 +33,7 @@ void add_schedules(CLI::App& app, Context& context);
 void add_reconstruct(CLI::App& app, Context& context);
 void add_export(CLI::App& app, Context& context);
 void add_compare(CLI::App& app, Context& context);
+void add_calibrate(CLI::App& app, Context& context);
 void add_evaluate(CLI::App& app, Context& context);
 void add_import(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);

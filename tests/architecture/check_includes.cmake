@@ -9,7 +9,7 @@ set(sql_allowed "^(storage/|worker/recording/db3_)") # a bag of ROS 2 is a datab
 set(vision_headers "^#include <(opencv2|ceres|embree)")
 set(vision_allowed "^(worker|sensor)/")
 set(solver_headers "^#include <(ceres|apriltag)")
-set(solver_folders optimisation loops calibration markers)
+set(solver_folders optimisation loops calibration markers board_calibration)
 list(JOIN solver_folders "|" solver_allowed)
 set(solver_allowed "^worker/(${solver_allowed})/")
 set(network_headers "^#include <boost/(asio|beast)")

@@ -11,8 +11,9 @@ namespace {
 // detector.
 class Detector {
 public:
-    explicit Detector(dive::MarkerFamily family)
+    Detector(dive::MarkerFamily family, int num_more_cells)
         : family_(make_april_tag_family(family)), detector_(apriltag_detector_create()) {
+        widen(*family_, num_more_cells);
         detector_->nthreads = 1;
         detector_->quad_decimate = 1.0F;
         apriltag_detector_add_family_bits(detector_, family_.get(), 0);
@@ -41,6 +42,14 @@ public:
     }
 
 private:
+    static void widen(apriltag_family_t& family, int num_more_cells) {
+        family.width_at_border += 2 * num_more_cells;
+        family.total_width += 2 * num_more_cells;
+        for (std::uint32_t i = 0; i < family.nbits; ++i) {
+            family.bit_x[i] += static_cast<std::uint32_t>(num_more_cells);
+            family.bit_y[i] += static_cast<std::uint32_t>(num_more_cells);
+        }
+    }
     static Tag tag_of(const apriltag_detection_t& detection) {
         Tag tag;
         tag.id = detection.id;
@@ -65,9 +74,17 @@ bool comes_before(const Tag& a, const Tag& b) {
 }  // namespace
 
 std::vector<Tag> find_tags(const cv::Mat& grey, dive::MarkerFamily family) {
-    std::vector<Tag> tags = Detector(family).detect(grey);
+    std::vector<Tag> tags = Detector(family, 0).detect(grey);
     const TagLayout layout = tag_layout(family);
     for (Tag& tag : tags) refine_corners(grey, layout, tag);
+    std::sort(tags.begin(), tags.end(), comes_before);
+    return tags;
+}
+
+std::vector<Tag> find_wide_tags(const cv::Mat& grey,
+                                dive::MarkerFamily family,
+                                int num_more_cells) {
+    std::vector<Tag> tags = Detector(family, num_more_cells).detect(grey);
     std::sort(tags.begin(), tags.end(), comes_before);
     return tags;
 }

@@ -21,6 +21,12 @@ struct Tag {
 // correction are rejected. Runs in the caller's thread; thread-safe.
 std::vector<Tag> find_tags(const cv::Mat& image, dive::MarkerFamily family);
 
+// Returns the tags of a family that are printed with `num_more_cells` more cells of black around
+// them, as above; corners are those of the whole black square, as the library finds them.
+std::vector<Tag> find_wide_tags(const cv::Mat& image,
+                                dive::MarkerFamily family,
+                                int num_more_cells);
+
 // Fits a line to each edge, where brightness changes most across it (weighted centres of the
 // gradient over half a cell to both sides), and moves the corners to the intersections of the
 // lines. Edges that cannot be fitted (shorter than 12 px, or lost in noise) leave the tag as it is.
