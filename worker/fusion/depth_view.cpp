@@ -7,6 +7,7 @@
 
 #include "worker/base/lanes.hpp"
 #include "worker/fusion/close_pinholes.hpp"
+#include "worker/fusion/mark_bridges.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::fusion {
@@ -287,6 +288,7 @@ DepthView::DepthView(const types::RectifiedRig& rig,
     close_pinholes(disparity_px, sigma_px);
     DepthImage image{
         disparity_px, sigma_px, distance_from_rim(disparity_px, kernels), images.left_color};
+    mark_bridges(disparity_px, sigma_px, rig.focal_px, instructions, image.rim);
     if (sampling == Sampling::Half) image = halved(image);
     const Optics optics{static_cast<float>(rig_.focal_px),
                         static_cast<float>(rig_.focal_px * rig_.baseline_m),

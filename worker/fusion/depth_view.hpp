@@ -39,8 +39,8 @@ Sampling choose_sampling(const types::RectifiedRig& rig,
 
 // A keyframe's depth and image, prepared for fusion. A plane is linear in disparity, so the tangent
 // plane comes from the gradient of the disparity over a few pixels. Pixels at a discontinuity of
-// the disparity, where matchers enlarge the foreground, and at the border of unknown pixels have
-// weight 0.
+// the disparity, where matchers enlarge the foreground, on bridges (mark_bridges.hpp) and at the
+// border of unknown pixels have weight 0.
 class DepthView {
 public:
     DepthView(const types::RectifiedRig& rig,
