@@ -55,7 +55,7 @@ void add_calibrate(CLI::App& app, Context& context) {
     auto arguments = std::make_shared<CalibrateArguments>();
     board_calibration::CalibrationRequest& request = arguments->request;
     // clang-format off
-    command->add_option("recording", request.recording, "dive (folder or archive; sensor.yaml may be missing), ROS bag or MCAP in which the board is held before both cameras")->required();
+    command->add_option("recording", request.recording, "dive (folder or archive; sensor.yaml may be missing), ROS bag or MCAP in which the board is held before both cameras; videos and folders of images become a dive by divemesh import --uncalibrated")->required();
     command->add_option("--target", request.target, "target file of Kalibr: a checkerboard or an aprilgrid")->required();
     command->add_option("--out", request.out, "folder for calibration.json, report.html and the sensor.yaml files")->required();
     command->add_option("--model", arguments->model, "lens model; auto: the one that leaves smaller errors")->check(CLI::IsMember({"auto", "radial-tangential", "equidistant"}));

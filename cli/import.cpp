@@ -31,6 +31,7 @@ struct ImportArguments {
     std::shared_ptr<recording::StillsOptions> stills;
     std::shared_ptr<recording::VideoImportOptions> video;
     std::optional<double> rate_hz;  // of images or of pairs, whatever is imported
+    bool is_uncalibrated = false;   // of images or of videos
     std::string unit;
     std::optional<std::array<double, 2>> size_px;  // of the images, which the recording tells too
     std::string size;
@@ -48,6 +49,8 @@ void read_words(ImportArguments& arguments) {
         throw CLI::RequiredError("--calibration, whose unit --calibration-unit is,");
     for (const auto& [unit, metres] : kUnits_m)
         if (arguments.unit == unit) arguments.options.metres_per_unit = metres;
+    arguments.stills->is_uncalibrated = arguments.is_uncalibrated;
+    arguments.video->is_uncalibrated = arguments.is_uncalibrated;
     int width = 0;
     int height = 0;
     char rest = 0;
@@ -175,7 +178,8 @@ void add_import(CLI::App& app, Context& context) {
     command->add_option("--left", options.topics.left, "topic or folder of the left camera; default: by its name");
     command->add_option("--right", options.topics.right, "topic or folder of the right camera");
     command->add_option("--imu", options.topics.imu, "topic of the IMU, or none; default: the only one");
-    command->add_option("--calibration", options.calibration, "folder of a dive whose sensor.yaml files are used (cam0, cam1, imu0), or files of Kalibr, OpenCV, ROS, KWIVER or COLMAP; after the recording; default: that of the recording");
+    auto* calibration = command->add_option("--calibration", options.calibration, "folder of a dive whose sensor.yaml files are used (cam0, cam1, imu0), or files of Kalibr, OpenCV, ROS, KWIVER or COLMAP; after the recording; default: that of the recording");
+    command->add_flag("--uncalibrated", arguments->is_uncalibrated, "the videos or images have no calibration yet: divemesh calibrate makes it from this dive")->excludes(calibration);
     command->add_option("--calibration-unit", arguments->unit, "unit of T in files of OpenCV and KWIVER; default: m or mm by its size")->check(CLI::IsMember({"m", "cm", "mm"}));
     command->add_option("--image-size", arguments->size, "size of the images, such as 1920x1080, where neither a recording nor the calibration states it");
     command->add_option("--rate", arguments->rate_hz, "pairs a second: of images whose names count them, or those that are taken of videos (default 10)");

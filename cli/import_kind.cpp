@@ -32,7 +32,7 @@ struct OptionUse {
 
 // The options that not everything uses. All others, such as --out, apply always.
 // clang-format off
-constexpr std::array<OptionUse, 11> kOptions = {{
+constexpr std::array<OptionUse, 12> kOptions = {{
     {"--left",             true,  false, true,  false, "the video that is given first is that of the left camera"},
     {"--right",            true,  false, true,  false, "the video that is given last is that of the right camera"},
     {"--imu",              true,  true,  true,  false, "the noise and place of an IMU are those of the calibration's files"},
@@ -43,6 +43,7 @@ constexpr std::array<OptionUse, 11> kOptions = {{
     {"--bits",             false, false, true,  false, "the recording states the format of its pixels"},
     {"--layout",           false, true,  false, false, "left and right are told by their names, or by --left and --right"},
     {"--offset",           false, true,  false, false, "times that differ by a constant are found from the images"},
+    {"--uncalibrated",     false, true,  true,  false, "divemesh calibrate reads a recording of messages as it is"},
     {"--image-size",       false, false, false, true,  "the size is that of the recording's images"},
 }};
 // clang-format on

@@ -12,7 +12,7 @@ constexpr int kNear_px = 4;  // from the middle of a bridge to its ends
 constexpr int kFar_px = 10;  // and to where the surfaces beside it are compared
 constexpr float kSteeper = 1.5F;
 // Tangent of the angle of incidence: the slope of a disparity d is d tan / f.
-constexpr float kMinTangent = 3.0F;
+constexpr float kMinTangent = 4.0F;
 constexpr float kMinSigmas = 5.0F;
 
 // Returns where the disparities at eight pixels are on a bridge along one axis; `step` leads to the

@@ -13,7 +13,7 @@ namespace divemesh::fusion {
 // disparity from 4 px before it to 4 px behind it
 //
 // - changes 1.5 times as fast as within the 6 px on either side,
-// - belongs to a surface that is seen at less than some 18 degrees, and
+// - belongs to a surface that is seen at less than some 14 degrees, and
 // - changes by more than five standard deviations.
 //
 // The real face of a step that is so narrow and seen at such an angle goes too; a view that sees it

@@ -129,7 +129,7 @@ void DiveWriter::write_camera(Side side, const std::string& yaml) const {
     }
     const fs::path folder = partial_ / "mav0" / folder_of(side);
     base::write_file(folder / "data.csv", rows);
-    base::write_file(folder / "sensor.yaml", yaml);
+    if (!yaml.empty()) base::write_file(folder / "sensor.yaml", yaml);
 }
 
 void DiveWriter::write_imu(const std::string& yaml) {

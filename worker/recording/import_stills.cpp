@@ -146,7 +146,8 @@ ImportCounts StillsImport::write(const base::ProgressCallback& progress) {
 }
 
 RigFiles StillsImport::find_rig() {
-    const ImageSize size = image_size();
+    const ImageSize size = image_size(images_.left, "left");
+    if (options_.is_uncalibrated) return uncalibrated_rig(size, image_size(images_.right, "right"));
     if (options_.calibration.empty())
         return rig_of_layout(options_.folders.front(), folders_, sides_, size, findings_);
     RigHints hints;
@@ -155,22 +156,24 @@ RigFiles StillsImport::find_rig() {
     return read_rig(options_.calibration, findings_, hints);
 }
 
-// Returns the size of the first left image that is not damaged.
-ImageSize StillsImport::image_size() const {
-    for (const dive::CameraRow& row : images_.left) try {
+// Returns the size of the first image of a camera that is not damaged.
+ImageSize StillsImport::image_size(const std::vector<dive::CameraRow>& rows,
+                                   const char* camera) const {
+    for (const dive::CameraRow& row : rows) try {
             const auto image =
                 stored_image(folders_.read(row.file, kMaxStill_bytes), options_.pixels);
             return {image.header.width_px, image.header.height_px};
         } catch (const Error& error) {
             if (error.code() != ErrorCode::BadData) throw;
         }
-    throw Error(ErrorCode::BadData,
-                "no image of the left camera can be read: export the images as PNG");
+    throw Error(
+        ErrorCode::BadData,
+        std::string("no image of the ") + camera + " camera can be read: export the images as PNG");
 }
 
 void StillsImport::add_sensors(const RigFiles& rig, DiveWriter& writer) {
     const auto folder = euroc_folder(sides_);
-    if (!folder || options_.imu == "none") return;
+    if (!folder || options_.imu == "none" || options_.is_uncalibrated) return;
     if (folders_.has(*folder + "imu0/data.csv") && !rig.imu_yaml)
         findings_.warning("imu_left_out",
                           *folder + "imu0",

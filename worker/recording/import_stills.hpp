@@ -21,6 +21,7 @@ struct StillsOptions {
     Links links = Links::LeaveOut;
     std::filesystem::path out;                       // folder of the dive, which must not exist
     std::vector<std::filesystem::path> calibration;  // as read_rig() takes them; none: as found
+    bool is_uncalibrated = false;                    // none is looked for: the dive has none
     std::optional<double> metres_per_unit;           // of T in them
     NamedFolders cameras;
     std::string imu;  // "none": the IMU is left out
@@ -45,7 +46,7 @@ public:
 
 private:
     RigFiles find_rig();
-    ImageSize image_size() const;
+    ImageSize image_size(const std::vector<dive::CameraRow>& rows, const char* camera) const;
     void add_sensors(const RigFiles& rig, DiveWriter& writer);
 
     StillsOptions options_;

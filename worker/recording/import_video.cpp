@@ -55,7 +55,9 @@ VideoImport::VideoImport(VideoImportOptions options, const base::ProgressCallbac
             {path, video::read_index(path, base::part_of(progress, begin, begin + part))});
         report_video(videos_.back());
     }
-    rig_ = read_rig(options_.calibration, findings_, hints());
+    rig_ = options_.is_uncalibrated
+               ? uncalibrated_rig(image_size(videos_.front()), image_size(videos_.back()))
+               : read_rig(options_.calibration, findings_, hints());
     check_sizes();
 }
 
@@ -74,9 +76,9 @@ void VideoImport::check_options() const {
              is_one_file ? "--layout is of one video that holds both cameras: give one file"
                          : "give two videos, of the left and of the right camera, or one that "
                            "holds both with --layout side-by-side or over-under");
-    if (options_.calibration.empty())
+    if (options_.calibration.empty() && !options_.is_uncalibrated)
         fail(ErrorCode::InvalidArgument,
-             "a video states no calibration: state it by --calibration");
+             std::string("a video states no calibration: ") + kStateCalibration);
     if (!options_.imu.empty() && options_.imu != "none")
         fail(ErrorCode::InvalidArgument, "a video has no topics: --imu can only be none");
     if (!(options_.rate_hz > 0.0) || options_.rate_hz > kMaxRate_hz)
@@ -266,7 +268,7 @@ void VideoImport::write_batch(const std::vector<VideoPair>& batch,
 void VideoImport::write_imu(const video::ClockOffset& clock, DiveWriter& writer) {
     const bool is_left = videos_.front().index.traits.has_gpmf;
     const auto& video = is_left ? videos_.front() : videos_.back();
-    if (!video.index.traits.has_gpmf || options_.imu == "none") return;
+    if (!video.index.traits.has_gpmf || options_.imu == "none" || options_.is_uncalibrated) return;
     const video::GpmfImu imu = video::imu_of(video.index.gpmf);
     if (imu.is_damaged)
         findings_.warning("telemetry_damaged",

@@ -22,6 +22,7 @@ struct VideoImportOptions {
     double rate_hz = 10.0;           // pairs a second: a diver moves a tenth of the view in between
     std::optional<double> offset_s;  // of a moment: its time in the left video minus in the right
     std::vector<std::filesystem::path> calibration;  // as read_rig() takes them
+    bool is_uncalibrated = false;                    // there is none yet: the dive has none
     std::optional<double> metres_per_unit;           // of T in them
     std::string imu;                                 // "none": the telemetry is left out
     std::filesystem::path out;                       // folder of the dive, which must not exist

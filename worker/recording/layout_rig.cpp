@@ -59,7 +59,7 @@ RigFiles rig_of_layout(const std::filesystem::path& root,
         return rig_of_folder(root / *folder, findings);
     if (auto rig = kitti_rig(folders, sides, size, findings)) return std::move(*rig);
     throw Error(ErrorCode::BadData,
-                "the recording has no calibration that is read: state it by --calibration");
+                std::string("the recording has no calibration that is read: ") + kStateCalibration);
 }
 
 }  // namespace divemesh::recording

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "schemas/error.hpp"
 #include "worker/base/angle.hpp"
@@ -156,6 +157,16 @@ dive::SensorYaml yaml_of(const CameraInfo& info,
 }
 
 }  // namespace
+
+RigFiles uncalibrated_rig(ImageSize left, ImageSize right) {
+    RigFiles rig;
+    for (const auto& [camera, size] :
+         {std::pair(&rig.cam0.camera, left), std::pair(&rig.cam1.camera, right)}) {
+        camera->width_px = static_cast<int>(size.width_px);
+        camera->height_px = static_cast<int>(size.height_px);
+    }
+    return rig;
+}
 
 bool is_model_name(const std::string& name) {
     return name.size() <= kMaxName_bytes && std::all_of(name.begin(), name.end(), [](char letter) {

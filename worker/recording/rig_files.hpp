@@ -5,18 +5,27 @@
 #include <string>
 
 #include "worker/dive/calibration.hpp"
+#include "worker/recording/image_size.hpp"
 #include "worker/recording/rig_messages.hpp"
 
 namespace divemesh::recording {
 
 // The calibration of a rig as files of a dive, and the cameras that they describe.
 struct RigFiles {
-    std::string cam0_yaml;
+    std::string cam0_yaml;  // these two are empty while the rig is not calibrated
     std::string cam1_yaml;
     std::optional<std::string> imu_yaml;  // nullopt: where the IMU is, is not known
     dive::CalibratedCamera cam0;
     dive::CalibratedCamera cam1;
 };
+
+// Returns a rig of which only the sizes of the images are known: that of a recording of a board.
+RigFiles uncalibrated_rig(ImageSize left, ImageSize right);
+
+// What to do where an import finds no calibration.
+inline constexpr const char* kStateCalibration =
+    "state it by --calibration, or, before the rig is calibrated with a board by divemesh "
+    "calibrate, import with --uncalibrated";
 
 // Whether a name of a camera or lens model can be written into a sensor.yaml: letters, '_' and '-'.
 bool is_model_name(const std::string& name);

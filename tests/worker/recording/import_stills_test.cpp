@@ -515,5 +515,20 @@ TEST_F(ImportStillsTest, ADamagedImageIsLeftOutAndOtherSizesAreRefused) {
     EXPECT_NE(refusal_of(options).find("--calibration"), std::string::npos);
 }
 
+TEST_F(ImportStillsTest, UncalibratedImagesBecomeADiveWithoutCalibration) {
+    for (int i = 0; i < kNumPairs; ++i) {
+        const std::string name = std::to_string(kStart_ns + i * kPeriod_ns) + ".png";
+        put(recorded() / "left" / name, png(0, i));
+        put(recorded() / "right" / name, png(1, i));
+    }
+    StillsOptions options = options_for({recorded()});
+    options.calibration.clear();
+    options.is_uncalibrated = true;
+    imported(options);
+    expect_pairs();
+    for (const char* camera : {"cam0", "cam1"})
+        EXPECT_FALSE(fs::exists(options.out / "mav0" / camera / "sensor.yaml")) << camera;
+}
+
 }  // namespace
 }  // namespace divemesh::recording

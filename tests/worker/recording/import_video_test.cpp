@@ -143,6 +143,16 @@ TEST_F(ImportVideoTest, OneVideoOfBothCamerasIsCutInHalves) {
     }
 }
 
+TEST_F(ImportVideoTest, UncalibratedVideosBecomeADiveWithoutCalibration) {
+    auto options = options_for({written("l.mkv", {0, 100}, 0), written("r.mkv", {0, 100}, 50)});
+    options.offset_s = 0.0;
+    options.calibration.clear();
+    options.is_uncalibrated = true;
+    EXPECT_EQ(imported(options).num_right, 2);
+    expect_image("cam1", kUnknownStart_ns + 100'000'000, noise_image(64, 48, 51));
+    EXPECT_FALSE(fs::exists(options.out / "mav0" / "cam0" / "sensor.yaml"));
+}
+
 TEST_F(ImportVideoTest, FramesOfMotionJpegAreStoredAsTheyAre) {
     video::WrittenVideo video;
     video.codec = "mjpeg";
