@@ -18,7 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kNumPoses = 40;  // some 25 show the whole board to both cameras
+constexpr std::size_t kNumPoses = 24;  // some 15 show the whole board to both cameras
 constexpr double kNoise = 2.0;         // grey levels
 
 // Returns the known rig with images of half the size.
@@ -75,6 +75,7 @@ TEST(CalibrateRecordingTest, FindsTheRigOfARenderedRecording) {
     request.target = folder.path() / "board.yaml";
     request.out = folder.path() / "rig";
     request.scratch = folder.path() / "scratch";
+    request.model = types::Distortion::RadialTangential;
     const auto document = calibrate_recording(request, base::ignore_progress);
     EXPECT_TRUE(document.at("usable").get<bool>()) << document.at("verdict");
     ASSERT_FALSE(document.contains("failure")) << document.at("failure");
