@@ -13,7 +13,7 @@ namespace {
 constexpr double kFirstHuber_px = 1.0;
 constexpr double kHuberSigmas = 3.0;
 constexpr double kHarmfulRatio = 3.0;  // of a view's errors to those of the others
-constexpr double kLeastHarm_px = 0.3;  // smaller errors of a view do no harm
+constexpr double kMinHarm_px = 0.3;    // smaller errors of a view do no harm
 constexpr double kMaxCornerSigmas = 6.0;
 constexpr int kMaxRounds = 3;  // in which views are left out
 constexpr std::size_t kMinCommonViews = 3;
@@ -104,7 +104,7 @@ bool leave_out_views(const boards::Board& board, RigEstimate& estimate) {
     const std::vector<double> rms =
         rms_of_views(corner_errors(board, estimate.rig, estimate.views), estimate.views.size());
     const double median_px = stats::median(rms);
-    const double limit_px = std::max(kLeastHarm_px, kHarmfulRatio * median_px);
+    const double limit_px = std::max(kMinHarm_px, kHarmfulRatio * median_px);
     std::vector<PosedView> kept;
     for (std::size_t i = 0; i < rms.size(); ++i) {
         if (rms[i] <= limit_px)

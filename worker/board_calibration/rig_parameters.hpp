@@ -31,7 +31,7 @@ types::Camera camera_of(const LensKind& kind, const LensValues& values);
 Eigen::Isometry3d isometry_of(const PoseValues& values);
 PoseValues values_of(const Eigen::Isometry3d& T);
 
-// What is estimated of a stereo rig.
+// Holds what is estimated of a stereo rig.
 struct RigParameters {
     LensKind kind0;
     LensKind kind1;

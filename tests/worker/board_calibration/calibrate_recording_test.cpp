@@ -84,7 +84,7 @@ TEST(CalibrateRecordingTest, FindsTheRigOfARenderedRecording) {
     for (int i = 0; i < kRigSize; ++i) {
         const auto& row = document.at("parameters")[static_cast<std::size_t>(i)];
         const double error = row.at("value").get<double>() - truth.vector()[i];
-        // Of 22 parameters one beyond three standard deviations has a chance of 6 %.
+        // Allows four: of 22 parameters one is beyond three standard deviations in 6 % of draws.
         EXPECT_LT(std::abs(error), 4.0 * row.at("sigma").get<double>()) << row;
     }
     const double baseline_m = isometry_of(truth.T_cam1_cam0).translation().norm();
