@@ -79,36 +79,52 @@ EpipolarProblem::EpipolarProblem(const types::Rig& rig,
                             lens_terms(rectified, match.right_px)});
 }
 
-EpipolarProblem::Residual EpipolarProblem::residual(const Sample& sample,
-                                                    const EpipolarUnknowns& values) const {
-    const Eigen::Matrix3d R =
-        base::rotation_from_vector(R_rectified_right_ * values.head<3>()).toRotationMatrix();
-    const Eigen::Vector3d baseline(1.0, values[3], values[4]);
-    const Eigen::Vector3d right = R * (sample.right_ray - values[5] * sample.right_by_focal);
+EpipolarProblem::Moved EpipolarProblem::moved(const EpipolarUnknowns& values) const {
+    return {base::rotation_from_vector(R_rectified_right_ * values.head<3>()).toRotationMatrix(),
+            {1.0, values[3], values[4]},
+            values};
+}
+
+// Returns the right ray in the frame of the rectified left camera.
+Eigen::Vector3d EpipolarProblem::right_ray(const Sample& sample, const Moved& rig) {
+    return rig.R * (sample.right_ray - rig.values[5] * sample.right_by_focal);
+}
+
+double EpipolarProblem::error_px(const Sample& sample,
+                                 const Moved& rig,
+                                 const Eigen::Vector3d& across) const {
+    return focal_px_ * rig.baseline.dot(across) -
+           sample.lens_terms.dot(rig.values.tail<kNumLensTerms>());
+}
+
+EpipolarProblem::Residual EpipolarProblem::residual(const Sample& sample, const Moved& rig) const {
+    const Eigen::Vector3d right = right_ray(sample, rig);
     const Eigen::Vector3d across = sample.left_ray.cross(right);
-    const Eigen::Vector3d normal = baseline.cross(sample.left_ray);
+    const Eigen::Vector3d normal = rig.baseline.cross(sample.left_ray);
     Residual result;
-    result.error_px =
-        focal_px_ * baseline.dot(across) - sample.lens_terms.dot(values.tail<kNumLensTerms>());
+    result.error_px = error_px(sample, rig, across);
     result.gradient << focal_px_ * R_rectified_right_.transpose() * right.cross(normal),
-        focal_px_ * across.tail<2>(), -focal_px_ * normal.dot(R * sample.right_by_focal), 0.0,
+        focal_px_ * across.tail<2>(), -focal_px_ * normal.dot(rig.R * sample.right_by_focal), 0.0,
         -sample.lens_terms;
     return result;
 }
 
 std::vector<double> EpipolarProblem::errors_px(const EpipolarUnknowns& values) const {
+    const Moved rig = moved(values);
     std::vector<double> errors;
     errors.reserve(samples_.size());
-    for (const Sample& sample : samples_) errors.push_back(residual(sample, values).error_px);
+    for (const Sample& sample : samples_)
+        errors.push_back(error_px(sample, rig, sample.left_ray.cross(right_ray(sample, rig))));
     return errors;
 }
 
 EpipolarProblem::NormalEquations EpipolarProblem::equations(
     const EpipolarSolution& at, const Held& held, const EpipolarUnknowns& prior_sigmas) const {
     NormalEquations result;
+    const Moved rig = moved(at.values);
     EpipolarUnknowns of_pair = EpipolarUnknowns::Zero();
     for (std::size_t i = 0; i < samples_.size(); ++i) {
-        Residual found = residual(samples_[i], at.values);
+        Residual found = residual(samples_[i], rig);
         for (int k = 0; k < kNumEpipolarUnknowns; ++k)
             if (held[static_cast<std::size_t>(k)]) found.gradient[k] = 0.0;
         const double weight = at.weights[i] / (at.error_px * at.error_px);

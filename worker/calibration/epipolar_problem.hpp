@@ -75,7 +75,17 @@ private:
         EpipolarCovariance between_pairs = EpipolarCovariance::Zero();
     };
 
-    Residual residual(const Sample& sample, const EpipolarUnknowns& values) const;
+    // The right camera by values of the unknowns, relative to the rectified left one.
+    struct Moved {
+        Eigen::Matrix3d R;
+        Eigen::Vector3d baseline;
+        EpipolarUnknowns values;
+    };
+    Moved moved(const EpipolarUnknowns& values) const;
+    static Eigen::Vector3d right_ray(const Sample& sample, const Moved& rig);
+    // `across` is the product of the left ray and the right one.
+    double error_px(const Sample& sample, const Moved& rig, const Eigen::Vector3d& across) const;
+    Residual residual(const Sample& sample, const Moved& rig) const;
     // A solution under one prior of the lens terms.
     struct Solved {
         EpipolarSolution solution;

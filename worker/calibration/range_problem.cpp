@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "worker/base/rotation_vector.hpp"
@@ -70,6 +71,14 @@ private:
     struct Linearised {
         Residual residual;
         Eigen::Matrix<double, 3, kNumAll> jacobian;
+    };
+    struct Moved {
+        Eigen::Isometry3d T_after_before;
+        RangeUnknowns values;
+    };
+    struct MovedByEach {
+        Moved here;
+        std::array<Moved, kNumAll> there;
     };
     struct Reduced {
         RangeCovariance information = RangeCovariance::Zero();
@@ -149,18 +158,35 @@ private:
         return result;
     }
 
-    Linearised linearised(const Sample& sample, const Window& window) const {
-        constexpr double kStep = 1e-6;
+    static constexpr double kPerturbation = 1e-6;
+    Moved moved(const Window& window, const AllUnknowns& step) const {
+        return {moved(window.T_after_before, step), values_ + scaled(step)};
+    }
+
+    // Returns where a window's unknowns are, and where a small step in each would take them.
+    MovedByEach moved_by_each(const Window& window) const {
+        MovedByEach result;
+        result.here = moved(window, AllUnknowns::Zero());
+        for (int k = 0; k < kNumAll; ++k)
+            result.there[static_cast<std::size_t>(k)] =
+                moved(window, kPerturbation * AllUnknowns::Unit(k));
+        return result;
+    }
+
+    Linearised linearised(const Sample& sample,
+                          const Window& window,
+                          const MovedByEach& steps) const {
         const auto factor = noise_factor(sample, window);
-        const auto whitened = [&](const AllUnknowns& step) -> Residual {
+        const auto whitened = [&](const Moved& to) -> Residual {
             return factor.triangularView<Eigen::Lower>().solve(
-                residual(sample, moved(window.T_after_before, step), values_ + scaled(step)));
+                residual(sample, to.T_after_before, to.values));
         };
         Linearised result;
-        result.residual = whitened(AllUnknowns::Zero());
+        result.residual = whitened(steps.here);
         for (int k = 0; k < kNumAll; ++k)
             result.jacobian.col(k) =
-                (whitened(kStep * AllUnknowns::Unit(k)) - result.residual) / kStep;
+                (whitened(steps.there[static_cast<std::size_t>(k)]) - result.residual) /
+                kPerturbation;
         return result;
     }
 
@@ -205,9 +231,10 @@ private:
 
     WindowEquations equations(const Window& window) const {
         WindowEquations result;
+        const MovedByEach steps = moved_by_each(window);
         for (std::size_t i = 0; i < window.samples.size(); ++i) {
             if (window.weights[i] <= 0.0) continue;
-            const Linearised at = linearised(window.samples[i], window);
+            const Linearised at = linearised(window.samples[i], window, steps);
             const double weight = window.weights[i] / (error_px_ * error_px_);
             result.information += weight * at.jacobian.transpose() * at.jacobian;
             result.gradient += weight * at.jacobian.transpose() * at.residual;

@@ -16,7 +16,6 @@ constexpr double kNoise = 1.5;
 constexpr double kUnsteady_px = 0.25;
 constexpr double kMinHessian =
     (kNoise / kUnsteady_px) * (kNoise / kUnsteady_px) * kGreyLevel * kGreyLevel;
-constexpr double kSixBits = 64.0;
 constexpr double kWeight = 32768.0;
 
 using Outer = std::array<std::int16_t, kOuterPixels>;
@@ -24,18 +23,6 @@ using Outer = std::array<std::int16_t, kOuterPixels>;
 const PatchKernels& kernels() {
     static const PatchKernels kChosen = patch_kernels(base::best_instructions());
     return kChosen;
-}
-
-double bilinear(const cv::Mat& image, double x, double y) {
-    const int column = static_cast<int>(x);
-    const int row = static_cast<int>(y);
-    const double right = x - column;
-    const double below = y - row;
-    const std::uint8_t* top = image.ptr<std::uint8_t>(row) + column;
-    const std::uint8_t* bottom = top + image.step[0];
-    const double upper = top[0] + right * (int{top[1]} - int{top[0]});
-    const double lower = bottom[0] + right * (int{bottom[1]} - int{bottom[0]});
-    return upper + below * (lower - upper);
 }
 
 // Returns the square of `side` pixels around `centre`; nullopt if it leaves the image.
@@ -61,13 +48,9 @@ bool read_warped(const cv::Mat& image,
     if (!((centre - reach).minCoeff() >= 0.0 && centre.x() + reach.x() < image.cols - 1 &&
           centre.y() + reach.y() < image.rows - 1))
         return false;
-    for (int v = 0; v < kOuterSide_px; ++v) {
-        for (int u = 0; u < kOuterSide_px; ++u) {
-            const Eigen::Vector2d pixel = centre + warp * Eigen::Vector2d(u - kHalf, v - kHalf);
-            outer[static_cast<std::size_t>(v) * kOuterSide_px + u] =
-                static_cast<std::int16_t>(kSixBits * bilinear(image, pixel.x(), pixel.y()));
-        }
-    }
+    kernels().read_warped(
+        {image.ptr<std::uint8_t>(), static_cast<std::ptrdiff_t>(image.step[0]), centre, warp},
+        outer.data());
     return true;
 }
 

@@ -1,5 +1,7 @@
 #include "worker/features/patch_kernels.hpp"
 
+#include <cstring>
+
 namespace divemesh::features {
 namespace {
 
@@ -31,6 +33,47 @@ DIVEMESH_INLINE_BODY void read_square(const SquarePlace& place, Value* __restric
             square[v * kSide + u] =
                 static_cast<Value>(above[u] + upper_half_of_product(difference, place.below));
         }
+    }
+}
+
+// Interpolates in double precision, in three loops, so that all but the reading of the pixels
+// becomes vectors.
+DIVEMESH_INLINE_BODY void read_warped(const WarpedPlace& place, Value* __restrict outer) {
+    constexpr double kHalf = 0.5 * (kOuterSide_px - 1);
+    double right[kOuterPixels];
+    double below[kOuterPixels];
+    std::int32_t offsets[kOuterPixels];  // of the pixel at or before, from the image's first
+    const auto step = static_cast<std::int32_t>(place.step_bytes);
+    for (int v = 0; v < kOuterSide_px; ++v)
+        for (int u = 0; u < kOuterSide_px; ++u) {
+            const double from_x = u - kHalf;
+            const double from_y = v - kHalf;
+            const double x =
+                place.centre.x() + (place.warp(0, 0) * from_x + place.warp(0, 1) * from_y);
+            const double y =
+                place.centre.y() + (place.warp(1, 0) * from_x + place.warp(1, 1) * from_y);
+            const auto column = static_cast<std::int32_t>(x);
+            const auto row = static_cast<std::int32_t>(y);
+            const int i = v * kOuterSide_px + u;
+            right[i] = x - column;
+            below[i] = y - row;
+            offsets[i] = row * step + column;
+        }
+    std::uint16_t above[kOuterPixels];  // two pixels each
+    std::uint16_t under[kOuterPixels];
+    for (int i = 0; i < kOuterPixels; ++i) {
+        const std::uint8_t* pixels = place.image + offsets[i];
+        std::memcpy(&above[i], pixels, sizeof above[i]);
+        std::memcpy(&under[i], pixels + step, sizeof under[i]);
+    }
+    constexpr double kSixBits = 64.0;
+    for (int i = 0; i < kOuterPixels; ++i) {
+        const auto first = [](std::uint16_t two) { return two & 0xff; };
+        const auto second = [](std::uint16_t two) { return two >> 8; };
+        const double upper = first(above[i]) + right[i] * (second(above[i]) - first(above[i]));
+        const double lower = first(under[i]) + right[i] * (second(under[i]) - first(under[i]));
+        outer[i] = static_cast<Value>(
+            static_cast<std::int32_t>(kSixBits * (upper + below[i] * (lower - upper))));
     }
 }
 
@@ -94,6 +137,7 @@ DIVEMESH_INLINE_BODY SeenProducts compare(const PatchColumns& columns, const Squ
 
 PatchKernels patch_kernels(base::Instructions instructions) {
     return {base::compiled_for<read_square<kOuterSide_px>>(instructions),
+            base::compiled_for<read_warped>(instructions),
             base::compiled_for<make_columns>(instructions),
             base::compiled_for<compare>(instructions)};
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <cstdint>
 
@@ -22,6 +23,15 @@ struct SquarePlace {
     std::ptrdiff_t step_bytes = 0;  // from row to row
     std::int16_t right = 0;
     std::int16_t below = 0;
+};
+
+// A square that is warped: its pixel (u, v) from its centre lies at `centre` + `warp` * (u, v) of
+// the image, in pixels.
+struct WarpedPlace {
+    const std::uint8_t* image = nullptr;  // its first pixel
+    std::ptrdiff_t step_bytes = 0;        // from row to row
+    Eigen::Vector2d centre;
+    Eigen::Matrix2d warp;
 };
 
 // A patch as the columns of a linear least-squares problem.
@@ -49,6 +59,8 @@ struct SeenProducts {
 struct PatchKernels {
     // Reads kOuterSide_px squared values with 6 fractional bits.
     void (*read_outer)(const SquarePlace& place, std::int16_t* outer);
+    // The same of a warped square, all of which must lie in the image.
+    void (*read_warped)(const WarpedPlace& place, std::int16_t* outer);
     ColumnProducts (*make_columns)(const std::int16_t* outer, PatchColumns& columns);
     SeenProducts (*compare)(const PatchColumns& columns, const SquarePlace& place);
 };

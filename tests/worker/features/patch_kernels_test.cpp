@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
 #include <opencv2/core.hpp>
@@ -44,6 +45,26 @@ TEST(PatchKernelsTest, ReadBetweenThePixels) {
     }
 }
 
+// Interpolation of an image that is linear has no error, wherever the square is warped to.
+TEST(PatchKernelsTest, AWarpedSquareOfALinearImageIsLinear) {
+    cv::Mat image(64, 64, CV_8U);
+    for (int y = 0; y < image.rows; ++y)
+        for (int x = 0; x < image.cols; ++x)
+            image.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(x + 3 * y);
+    Eigen::Matrix2d warp;
+    warp << 1.1, -0.3, 0.2, 0.9;
+    const Eigen::Vector2d centre(30.3, 28.7);
+    std::array<std::int16_t, kOuterPixels> outer{};
+    patch_kernels(base::Instructions::Baseline)
+        .read_warped({image.ptr<std::uint8_t>(), std::ptrdiff_t{64}, centre, warp}, outer.data());
+    for (int v = 0; v < kOuterSide_px; ++v)
+        for (int u = 0; u < kOuterSide_px; ++u) {
+            const Eigen::Vector2d at = centre + warp * Eigen::Vector2d(u - 8.5, v - 8.5);
+            const auto read = outer[static_cast<std::size_t>(v * kOuterSide_px + u)];
+            EXPECT_NEAR(read / 64.0, at.x() + 3.0 * at.y(), 1.0 / 64.0);
+        }
+}
+
 TEST(PatchKernelsTest, ThePatchItselfIsSeenAsItself) {
     const cv::Mat image = extreme_image();
     const PatchKernels kernels = patch_kernels(base::Instructions::Baseline);
@@ -74,6 +95,13 @@ TEST(PatchKernelsTest, EveryInstructionSetGivesTheSameIntegers) {
         PatchColumns columns_avx2;
         baseline.read_outer(from, outer.data());
         avx2.read_outer(from, outer_avx2.data());
+        EXPECT_EQ(outer, outer_avx2);
+        const WarpedPlace warped{image.ptr<std::uint8_t>(),
+                                 static_cast<std::ptrdiff_t>(image.step[0]),
+                                 {31.2, 30.9},
+                                 Eigen::Rotation2Dd(0.4).toRotationMatrix()};
+        baseline.read_warped(warped, outer.data());
+        avx2.read_warped(warped, outer_avx2.data());
         EXPECT_EQ(outer, outer_avx2);
         const ColumnProducts own = baseline.make_columns(outer.data(), columns);
         const ColumnProducts own_avx2 = avx2.make_columns(outer.data(), columns_avx2);
