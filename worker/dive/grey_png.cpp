@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "worker/dive/big_endian.hpp"
+#include "worker/dive/undo_paeth.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -33,51 +34,13 @@ std::optional<Chunk> take_chunk(std::string_view& bytes) {
     return Chunk{checked.substr(0, 4), checked.substr(4)};
 }
 
-// PNG specification 9.4: returns the one of a, b, c (left, above, left above) that is nearest to a
-// + b - c. Has no branches, which would be mispredicted on noise (as in stb_image).
-int paeth(int a, int b, int c) {
-    const int low = std::min(a, b);
-    const int high = std::max(a, b);
-    const int threshold = 3 * c - (a + b);
-    const int inner = high <= threshold ? low : c;
-    return threshold <= low ? high : inner;
-}
-
-// A row while its filter is undone; each pixel depends on the one to its left.
-struct PaethRow {
-    const std::uint8_t* filtered;
-    const std::uint8_t* above;
-    std::uint8_t* row;
-    int left = 0;
-    int left_above = 0;
-
-    void step(int u) {
-        left = (filtered[u] + paeth(left, above[u], left_above)) & 0xff;
-        left_above = above[u];
-        row[u] = static_cast<std::uint8_t>(left);
-    }
-};
-
-void undo_paeth(PaethRow row, int width) {
-    for (int u = 0; u < width; ++u) row.step(u);
-}
-
-// Processes two rows, the lower one a pixel behind, so that neither waits for the other.
-void undo_paeth(PaethRow upper, PaethRow lower, int width) {
-    upper.step(0);
-    for (int u = 1; u < width; ++u) {
-        upper.step(u);
-        lower.step(u - 1);
-    }
-    lower.step(width - 1);
-}
-
 // Undoes a row's filter (PNG specification 9.2); `above` is black before the first row. Returns
 // false if the filter does not exist.
 bool unfilter(int filter,
               const std::uint8_t* filtered,
               const std::uint8_t* above,
               int width,
+              const PaethRows& paeth,
               std::uint8_t* row) {
     const auto add = [&](int u, int predicted) {
         row[u] = static_cast<std::uint8_t>(filtered[u] + predicted);
@@ -96,7 +59,7 @@ bool unfilter(int filter,
         case 3:
             for (int u = 1; u < width; ++u) add(u, (row[u - 1] + above[u]) / 2);
             return true;
-        case kPaeth: undo_paeth(PaethRow{filtered, above, row}, width); return true;
+        case kPaeth: paeth.undo(filtered, above, row); return true;
         default: return false;
     }
 }
@@ -109,6 +72,34 @@ bool unpack(const std::vector<char>& packed, std::vector<std::uint8_t>& raw) {
            libdeflate_zlib_decompress(
                decompressor.get(), packed.data(), packed.size(), raw.data(), raw.size(), nullptr) ==
                LIBDEFLATE_SUCCESS;
+}
+
+// Undoes the filters of all rows, each of which follows a byte that names its filter. Returns false
+// if one does not exist.
+bool unfilter(const std::vector<std::uint8_t>& raw, cv::Mat& image) {
+    const auto step = static_cast<std::size_t>(image.cols) + 1;
+    const std::vector<std::uint8_t> black(static_cast<std::size_t>(image.cols), 0);
+    PaethRows paeth(image.cols);
+    const int max_paeth = image.cols <= PaethRows::kMaxWidth ? PaethRows::kNumRows : 0;
+    int num_paeth = 0;  // rows from v on
+    for (int v = 0; v < image.rows;) {
+        const std::uint8_t* filtered = raw.data() + static_cast<std::size_t>(v) * step;
+        const std::uint8_t* above = v == 0 ? black.data() : image.ptr<std::uint8_t>(v - 1);
+        auto* row = image.ptr<std::uint8_t>(v);
+        while (num_paeth < max_paeth && v + num_paeth < image.rows &&
+               filtered[static_cast<std::size_t>(num_paeth) * step] == kPaeth)
+            ++num_paeth;
+        if (num_paeth == PaethRows::kNumRows) {
+            paeth.undo_eight(filtered + 1, step, above, row, image.step[0]);
+            v += PaethRows::kNumRows;
+            num_paeth = 0;
+            continue;
+        }
+        if (!unfilter(filtered[0], filtered + 1, above, image.cols, paeth, row)) return false;
+        num_paeth = std::max(0, num_paeth - 1);
+        ++v;
+    }
+    return true;
 }
 
 }  // namespace
@@ -137,20 +128,7 @@ std::optional<cv::Mat> decode_grey_png(std::string_view bytes) {
     if (!unpack(packed, raw)) return std::nullopt;
 
     cv::Mat image(static_cast<int>(height), static_cast<int>(width), CV_8UC1);
-    const std::vector<std::uint8_t> black(static_cast<std::size_t>(width), 0);
-    const auto filtered = [&](int v) { return raw.data() + v * (width + 1); };
-    for (int v = 0; v < image.rows; ++v) {
-        const std::uint8_t* above = v == 0 ? black.data() : image.ptr<std::uint8_t>(v - 1);
-        auto* row = image.ptr<std::uint8_t>(v);
-        if (v + 1 < image.rows && filtered(v)[0] == kPaeth && filtered(v + 1)[0] == kPaeth) {
-            undo_paeth(PaethRow{filtered(v) + 1, above, row},
-                       PaethRow{filtered(v + 1) + 1, row, image.ptr<std::uint8_t>(v + 1)},
-                       image.cols);
-            ++v;
-        } else if (!unfilter(filtered(v)[0], filtered(v) + 1, above, image.cols, row)) {
-            return std::nullopt;
-        }
-    }
+    if (!unfilter(raw, image)) return std::nullopt;
     return image;
 }
 
