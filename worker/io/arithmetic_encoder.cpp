@@ -48,7 +48,8 @@ void ArithmeticEncoder::encode_raw(unsigned num_bits, std::uint32_t bits) {
 
 std::string ArithmeticEncoder::finish() {
     // A decoder looks four bytes ahead. These are the low end of the interval itself.
-    for (const unsigned shift : {24, 16, 8, 0}) bytes_.push_back(static_cast<char>(low_ >> shift));
+    for (const unsigned shift : {24U, 16U, 8U, 0U})
+        bytes_.push_back(static_cast<char>(low_ >> shift));
     low_ = 0;
     length_ = 0xFFFF'FFFF;
     return std::exchange(bytes_, {});

@@ -41,9 +41,9 @@ void StreamingMedian::add(std::int32_t value) {
 }
 
 void PositionLayers::add(const LasPoint& point) {
-    constexpr std::uint32_t kNothing = 0;  // but the coordinates has changed
+    constexpr std::uint32_t kNoChange = 0;  // of returns, scanner, angle, source and time
     const auto [x, y, z_steps] = point.steps;
-    xy.encode(changes_, kNothing);
+    xy.encode(changes_, kNoChange);
     encode_difference(dx_, dx_median_, difference(x, last_[0]), kSingleReturn);
     encode_difference(dy_, dy_median_, difference(y, last_[1]), context_of(dx_.num_bits(), 20));
     z_encoder_.encode(z, last_[2], z_steps, context_of((dx_.num_bits() + dy_.num_bits()) / 2, 18));
