@@ -65,7 +65,9 @@ public:
         next_position();
         if (!layers_[9].empty()) next_color();
         for (std::size_t i = 0; i < 8; ++i)
-            if (!layers_[10 + i].empty()) byte(36 + i) += decoders_[10 + i].symbol(extra_[i]);
+            if (!layers_[10 + i].empty())
+                byte(36 + i) =
+                    static_cast<unsigned char>(byte(36 + i) + decoders_[10 + i].symbol(extra_[i]));
         return record_;
     }
     void require_end() const {
