@@ -55,8 +55,8 @@ void add_export(CLI::App& app, Context& context) {
     command
         ->add_option("--format",
                      options->formats,
-                     "kitti, euroc (trajectory), obj, ply, las, 3dtiles (mesh), e57 (points), "
-                     "geotiff (mosaic, heights), "
+                     "kitti, euroc (trajectory), obj, ply, las, laz, 3dtiles (mesh), "
+                     "e57 (points), geotiff (mosaic, heights), "
                      "colmap, nerfstudio, mcap (keyframes and points); separate several by commas")
         ->required();
     command->add_option(

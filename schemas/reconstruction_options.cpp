@@ -43,7 +43,7 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("simplify", options.simplify, "share of the triangles to keep, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error at which simplification stops, m; 0: no limit");
     visit("texture", options.texture, "texture mesh.glb with the photographs, and make the mosaic");
-    visit("exports", options.exports, "files for other programs, separated by commas: kitti, euroc (trajectory), obj, ply, las, 3dtiles (mesh), e57 (points), colmap, nerfstudio, mcap (keyframes)");
+    visit("exports", options.exports, "files for other programs, separated by commas: kitti, euroc (trajectory), obj, ply, las, laz, 3dtiles (mesh), e57 (points), colmap, nerfstudio, mcap (keyframes)");
     visit("num_threads", options.num_threads, "0: all cores; the result does not depend on it");
     visit("fusion_memory_bytes", options.fusion_memory_bytes, "max memory for voxels and points, the rest goes to the scratch folder; the result does not depend on it");
     // clang-format on
@@ -89,6 +89,7 @@ void validate_exports(const ReconstructionOptions& options, OptionFaults& faults
                                "colmap",
                                "nerfstudio",
                                "las",
+                               "laz",
                                "e57",
                                "3dtiles",
                                "mcap"});

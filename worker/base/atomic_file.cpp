@@ -1,5 +1,6 @@
 #include "worker/base/atomic_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <fcntl.h>
 #include <system_error>
@@ -31,6 +32,16 @@ void sync_folder(const std::filesystem::path& folder) {
 
 }  // namespace
 
+template <typename Write>
+void AtomicFile::write_all(std::string_view rest, const Write& write_some) {
+    while (!rest.empty()) {
+        const ssize_t written = write_some(rest);
+        if (written < 0 && errno == EINTR) continue;
+        if (written < 0) fail(file_, errno);
+        rest.remove_prefix(static_cast<std::size_t>(written));
+    }
+}
+
 AtomicFile::AtomicFile(std::filesystem::path file, Durability durability)
     : file_(std::move(file)),
       partial_(file_.string() + ".partial"),
@@ -49,13 +60,20 @@ void AtomicFile::write(std::string_view bytes) {
     if (buffer_.size() >= kBufferBytes) flush();
 }
 
+void AtomicFile::overwrite(std::uint64_t offset_bytes, std::string_view bytes) {
+    flush();
+    auto offset = static_cast<off_t>(offset_bytes);
+    write_all(bytes, [&](std::string_view rest) {
+        const ssize_t written = ::pwrite(opened_.get(), rest.data(), rest.size(), offset);
+        offset += std::max<ssize_t>(written, 0);
+        return written;
+    });
+}
+
 void AtomicFile::flush() {
-    for (std::string_view rest = buffer_; !rest.empty();) {
-        const ssize_t written = ::write(opened_.get(), rest.data(), rest.size());
-        if (written < 0 && errno == EINTR) continue;
-        if (written < 0) fail(file_, errno);
-        rest.remove_prefix(static_cast<std::size_t>(written));
-    }
+    write_all(buffer_, [&](std::string_view rest) {
+        return ::write(opened_.get(), rest.data(), rest.size());
+    });
     buffer_.clear();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <string_view>
@@ -24,10 +25,15 @@ public:
     AtomicFile& operator=(const AtomicFile&) = delete;
 
     void write(std::string_view bytes);
+    // Replaces bytes that were written before; write() continues at the end.
+    void overwrite(std::uint64_t offset_bytes, std::string_view bytes);
     void commit();
 
 private:
     void flush();
+    // Calls `write_some` until all bytes are written.
+    template <typename Write>
+    void write_all(std::string_view rest, const Write& write_some);
 
     std::filesystem::path file_;
     std::filesystem::path partial_;

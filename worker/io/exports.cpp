@@ -32,6 +32,7 @@ constexpr EnumText<ExportFormat> kTexts[] = {
     {ExportFormat::Colmap, "colmap"},
     {ExportFormat::Nerfstudio, "nerfstudio"},
     {ExportFormat::Las, "las"},
+    {ExportFormat::Laz, "laz"},
     {ExportFormat::E57, "e57"},
     {ExportFormat::Tiles, "3dtiles"},
     {ExportFormat::Mcap, "mcap"},
@@ -142,6 +143,7 @@ std::string description_text(const nlohmann::json& certificate,
 }
 
 std::vector<std::string> export_las(const ReconstructionFolder& reconstruction,
+                                    LasStorage storage,
                                     const std::optional<types::GeographicPosition>& position,
                                     const nlohmann::json& certificate,
                                     const std::filesystem::path& out) {
@@ -151,8 +153,9 @@ std::vector<std::string> export_las(const ReconstructionFolder& reconstruction,
     if (position) description.utm = utm_frame(*position);
     if (const auto begin = recording_begin(reconstruction.metrics()))
         description.date = std::chrono::floor<std::chrono::days>(*begin);
-    write_las(out / "surface.las", reconstruction.mesh(), description);
-    return {"surface.las"};
+    const std::string name = storage == LasStorage::Laszip ? "surface.laz" : "surface.las";
+    write_las(out / name, reconstruction.mesh(), description, storage);
+    return {name};
 }
 
 // Removes the tiles of an earlier export, which may have had more of them.
@@ -210,7 +213,10 @@ std::vector<std::string> export_one(const ReconstructionFolder& reconstruction,
                                        out / "nerfstudio",
                                        out / "nerfstudio",
                                        write_nerfstudio);
-        case ExportFormat::Las: return export_las(reconstruction, position, certificate, out);
+        case ExportFormat::Las:
+            return export_las(reconstruction, LasStorage::Plain, position, certificate, out);
+        case ExportFormat::Laz:
+            return export_las(reconstruction, LasStorage::Laszip, position, certificate, out);
         case ExportFormat::E57:
             require_surface(reconstruction, "cloud.ply");
             write_e57(out / "cloud.e57",

@@ -22,6 +22,7 @@ namespace divemesh::io {
 //            the images are whole if export_reconstruction() is given them, else small
 //   nerfstudio   nerfstudio/                 the same as transforms.json and points.ply
 //   las      surface.las   vertices with sigma and number of observations; in UTM with a position
+//   laz      surface.laz   the same, compressed
 //   e57      cloud.e57     all points of the cloud with their colours
 //   3dtiles  tiles/        the mesh of obj in levels of detail; earth-centred with a position
 //   mcap     reconstruction.mcap   poses, up to 100,000 points and keyframes for Foxglove
@@ -34,6 +35,7 @@ enum class ExportFormat {
     Colmap,
     Nerfstudio,
     Las,
+    Laz,
     E57,
     Tiles,
     Mcap

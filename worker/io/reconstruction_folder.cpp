@@ -49,6 +49,7 @@ constexpr std::string_view kFiles[] = {
     "mesh_obj.zip",
     "mesh_ply.zip",
     "surface.las",
+    "surface.laz",
     "cloud.e57",
     "reconstruction.mcap",
     "colmap/certificate.json",

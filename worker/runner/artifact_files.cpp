@@ -47,9 +47,10 @@ std::vector<Artifact> list_artifacts(const fs::path& folder) {
 bool is_read_again(const std::string& artifact_name) {
     return artifact_name != "cloud.ply" && artifact_name != "report.html" &&
            !artifact_name.ends_with(".glb") && !artifact_name.ends_with(".zip") &&
-           !artifact_name.ends_with(".las") && !artifact_name.ends_with(".e57") &&
-           !artifact_name.ends_with(".mcap") && !artifact_name.starts_with("tiles/") &&
-           !artifact_name.starts_with("colmap/") && !artifact_name.starts_with("nerfstudio/");
+           !artifact_name.ends_with(".las") && !artifact_name.ends_with(".laz") &&
+           !artifact_name.ends_with(".e57") && !artifact_name.ends_with(".mcap") &&
+           !artifact_name.starts_with("tiles/") && !artifact_name.starts_with("colmap/") &&
+           !artifact_name.starts_with("nerfstudio/");
 }
 
 bool is_below(const fs::path& name) {

@@ -41,6 +41,18 @@ TEST_F(AtomicFileTest, AppearsUnderItsNameOnlyWhenCommitted) {
     EXPECT_FALSE(std::filesystem::exists(file("a.txt.partial")));
 }
 
+TEST_F(AtomicFileTest, OverwritesWhatItWroteAndContinuesAtTheEnd) {
+    const std::string large(3'000'000, 'x');
+    AtomicFile output(file("a.txt"));
+    output.write("????" + large);
+    output.write("end?");
+    output.overwrite(0, "head");
+    output.overwrite(4 + large.size(), "tail");
+    output.write("!");
+    output.commit();
+    EXPECT_EQ(read(file("a.txt")), "head" + large + "tail!");
+}
+
 TEST_F(AtomicFileTest, LeavesTheOldFileAloneWhenItIsGivenUp) {
     write("a.txt", "old");
     { AtomicFile(file("a.txt")).write("new"); }

@@ -234,6 +234,7 @@ TEST_F(ExportsOfAFolderTest, AMissingSurfaceIsNamed) {
         {ExportFormat::Obj, "mesh.ply"},
         {ExportFormat::Ply, "mesh.ply"},
         {ExportFormat::Las, "mesh.ply"},
+        {ExportFormat::Laz, "mesh.ply"},
         {ExportFormat::Tiles, "mesh.ply"},
         {ExportFormat::Mcap, "cloud.ply"},
         {ExportFormat::E57, "cloud.ply"},
@@ -249,8 +250,11 @@ TEST_F(ExportsOfAFolderTest, ABrokenSurfaceIsBadData) {
     for (const char* name : {"cloud.ply", "mesh.ply"})
         write(name,
               "ply\nformat ascii 1.0\nelement vertex 99999999999\nproperty float x\nend_header\n");
-    for (const auto format :
-         {ExportFormat::Las, ExportFormat::E57, ExportFormat::Colmap, ExportFormat::Nerfstudio})
+    for (const auto format : {ExportFormat::Las,
+                              ExportFormat::Laz,
+                              ExportFormat::E57,
+                              ExportFormat::Colmap,
+                              ExportFormat::Nerfstudio})
         EXPECT_EQ(refusal(format).code(), ErrorCode::BadData);
 }
 
@@ -290,12 +294,14 @@ TEST_F(ExportsOfAFolderTest, TheNextReconstructionRemovesThem) {
                            ExportFormat::Nerfstudio,
                            ExportFormat::Ply,
                            ExportFormat::Las,
+                           ExportFormat::Laz,
                            ExportFormat::E57,
                            ExportFormat::Tiles,
                            ExportFormat::Mcap},
                           std::nullopt,
                           file(""));
-    for (const char* name : {"tiles/root.glb", "tiles/certificate.json", "reconstruction.mcap"})
+    for (const char* name :
+         {"tiles/root.glb", "tiles/certificate.json", "reconstruction.mcap", "surface.laz"})
         EXPECT_TRUE(std::filesystem::exists(file(name))) << name;
 
     remove_reconstruction(file(""));
@@ -304,7 +310,8 @@ TEST_F(ExportsOfAFolderTest, TheNextReconstructionRemovesThem) {
 }
 
 TEST(ExportFormatTest, AnUnknownFormatIsToldWithThoseThatAreThere) {
-    EXPECT_EQ(export_formats("kitti,obj,ply,colmap,nerfstudio,las,e57,3dtiles,mcap").size(), 9U);
+    EXPECT_EQ(export_formats("kitti,obj,ply,colmap,nerfstudio,las,laz,e57,3dtiles,mcap").size(),
+              10U);
     const Error error = error_of([] { export_formats("kitti,stl"); });
     EXPECT_NE(std::string(error.what()).find("geotiff"), std::string::npos);
 }

@@ -196,7 +196,7 @@ TEST_F(ReconstructDiveTest, ADiveThatIsRefusedTellsItsFindingsFirst) {
 TEST_F(ReconstructDiveTest, ARefusedDiveLeavesNothingOfAnEarlierResultButWhatItsUserKeeps) {
     reconstruct("model",
                 {{"voxel_m", 0.02},
-                 {"exports", "kitti,euroc,obj,ply,colmap,nerfstudio,las,e57,3dtiles,mcap"}});
+                 {"exports", "kitti,euroc,obj,ply,colmap,nerfstudio,las,laz,e57,3dtiles,mcap"}});
     ASSERT_TRUE(fs::exists(folder_ / "model/mosaic.pgw"));
     ASSERT_TRUE(fs::exists(folder_ / "model/heights_sigma.tif"));
     std::ofstream(folder_ / "model/notes.txt") << "kept";
