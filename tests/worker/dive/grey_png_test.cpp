@@ -28,7 +28,8 @@ cv::Mat noise(int width_px, int height_px, int type) {
 }
 
 TEST(GreyPngTest, GivesWhatOpenCvGives) {
-    for (const cv::Mat& image : {synthetic::textured_image(0.0, 0.0), noise(61, 7, CV_8UC1), noise(1, 40, CV_8UC1)}) {
+    for (const cv::Mat& image :
+         {synthetic::textured_image(0.0, 0.0), noise(61, 7, CV_8UC1), noise(1, 40, CV_8UC1)}) {
         for (const int strategy : {cv::IMWRITE_PNG_STRATEGY_DEFAULT,
                                    cv::IMWRITE_PNG_STRATEGY_FILTERED,
                                    cv::IMWRITE_PNG_STRATEGY_RLE}) {
