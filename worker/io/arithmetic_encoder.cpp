@@ -35,8 +35,8 @@ void ArithmeticEncoder::encode(AdaptiveSymbolModel& model, std::uint32_t symbol)
 }
 
 void ArithmeticEncoder::encode_raw(unsigned num_bits, std::uint32_t bits) {
-    constexpr unsigned kMostAtOnce = 19;
-    if (num_bits > kMostAtOnce) {
+    constexpr unsigned kMaxAtOnce = 19;
+    if (num_bits > kMaxAtOnce) {
         encode_raw(16, bits & 0xFFFF);
         bits >>= 16;
         num_bits -= 16;
