@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <new>
 
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
@@ -76,6 +77,10 @@ int run(int argc, char** argv) {
         return context.command();
     } catch (const Error& error) {
         return report(context, error);
+    } catch (const std::bad_alloc&) {
+        return report(context,
+                      Error(ErrorCode::OutOfMemory,
+                            "out of memory: close other programs, or allow this process more"));
     } catch (const std::exception& error) {
         return report(
             context, Error(ErrorCode::Unavailable, std::string("internal error: ") + error.what()));

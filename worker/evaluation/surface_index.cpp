@@ -6,6 +6,7 @@
 #include <embree3/rtcore.h>
 #include <limits>
 #include <memory>
+#include <new>
 
 #include "schemas/error.hpp"
 
@@ -40,8 +41,11 @@ SurfaceIndex::SurfaceIndex(const types::Mesh& mesh, bool is_compact)
     : implementation_(std::make_unique<Implementation>(Implementation{mesh})) {
     auto& [source, device, scene] = *implementation_;
     device = rtcNewDevice(nullptr);
-    if (device == nullptr)
-        throw Error(ErrorCode::Unavailable, "Embree cannot start on this processor");
+    if (device == nullptr) {
+        if (rtcGetDeviceError(nullptr) == RTC_ERROR_UNSUPPORTED_CPU)
+            throw Error(ErrorCode::Unavailable, "Embree cannot start on this processor");
+        throw std::bad_alloc();
+    }
     scene = rtcNewScene(device);
     rtcSetSceneFlags(
         scene, is_compact ? RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_COMPACT : RTC_SCENE_FLAG_ROBUST);
