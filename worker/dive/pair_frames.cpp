@@ -121,6 +121,9 @@ public:
         return refine(std::move(best));
     }
 
+    bool timestamps_agree() const { return is_common_; }
+    PairedFrames pair_by_timestamps() { return pair_with({}); }
+
 private:
     PairedFrames pair_with(const ClockDifference& clocks) {
         PairedFrames frames;
@@ -286,9 +289,14 @@ private:
 
 PairedFrames pair_frames(const CameraImages& images, const types::Rig& rig) {
     if (images.left.empty() || images.right.empty()) return {};
-    PairedFrames frames = PairFinder(images, rig).find();
+    PairFinder finder(images, rig);
+    PairedFrames frames = finder.find();
     const auto share = frames.delay.share_fitting;
-    if (!frames.clocks.is_zero() && share && *share < kMinShare) frames.pairs.clear();
+    const bool is_confirmed = frames.clocks.is_zero() || !share || *share >= kMinShare;
+    if (is_confirmed) return frames;
+    // Open water shows a chance lag, which is no reason to doubt timestamps that agree.
+    if (finder.timestamps_agree()) return finder.pair_by_timestamps();
+    frames.pairs.clear();
     return frames;
 }
 

@@ -387,6 +387,41 @@ TEST_F(PairFramesTest, ImagesThatShowNothingConfirmNoDifference) {
                 HasFinding(Severity::Error, "left_right_no_overlap", "cam1"));
 }
 
+// Flakes that sink in open water, each image with its own: a lag that fits them is chance, and no
+// reason to doubt timestamps that agree.
+TEST_F(PairFramesTest, ImagesOfOpenWaterArePairedByTheirTimestamps) {
+    const Recorded recorded;
+    CameraImages images = record(recorded);
+    const std::int64_t start_ns = images.left.front().timestamp_ns;
+    const auto water = [start_ns](std::uint64_t side) {
+        return [=](const CameraRow& row) {
+            const auto since_ns = static_cast<double>(row.timestamp_ns - start_ns);
+            cv::Mat image(kHeight_px, kWidth_px, CV_8UC1);
+            cv::RNG noise(static_cast<std::uint64_t>(row.timestamp_ns) + side);
+            noise.fill(image, cv::RNG::NORMAL, 90, 2);
+            cv::RNG flakes(3);
+            for (int i = 0; i < 60; ++i) {
+                const double u = flakes.uniform(0.0, 1.0 * kWidth_px) + noise.gaussian(4.0);
+                const double v =
+                    flakes.uniform(0.0, 1.0 * kHeight_px) + noise.gaussian(4.0) + 7e-9 * since_ns;
+                cv::circle(image,
+                           {static_cast<int>(u), static_cast<int>(v) % kHeight_px},
+                           2,
+                           cv::Scalar(190),
+                           cv::FILLED);
+            }
+            return image;
+        };
+    };
+    images.load_left = water(0);
+    images.load_right = water(1);
+
+    const PairedFrames frames = pair_frames(images, rig());
+
+    EXPECT_EQ(frames.pairs.size(), images.left.size());
+    EXPECT_TRUE(frames.clocks.is_zero());
+}
+
 // After a second few features are found again, or none: the pairs are tested by themselves.
 class SlowPairFramesTest : public PairFramesTest {
 protected:
