@@ -138,6 +138,17 @@ void add_reconstruct(CLI::App& app, Context& context) {
                          "remove surface whose standard deviation is larger, m; 0: no limit");
     add_override<double>(
         *command, options, "--simplify", "simplify", "share of the triangles to keep, 0 to 1");
+    add_override<std::string>(*command,
+                              options,
+                              "--color",
+                              "color",
+                              "colours: raw (as recorded) or restored (without the water)");
+    add_override<std::string>(*command,
+                              options,
+                              "--white-point",
+                              "white_point",
+                              "r,g,b: color.white_point in metrics.json of an earlier dive of the "
+                              "place, to compare restored colours");
     command->add_flag("--no-texture",
                       options->no_texture,
                       "leave out the photographs on mesh.glb and the mosaic");

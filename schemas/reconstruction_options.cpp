@@ -1,7 +1,9 @@
 #include "schemas/reconstruction_options.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <string>
+#include <system_error>
 
 #include "schemas/error.hpp"
 #include "schemas/invalid_input.hpp"
@@ -42,6 +44,8 @@ void for_each_option(Options& options, Visit&& visit) {
     visit("max_sigma_m", options.max_sigma_m, "max standard deviation of a vertex, m; less certain surface is removed, before what contradicts the scale is added; 0: no limit");
     visit("simplify", options.simplify, "share of the triangles to keep, 0 to 1; 1: all of them");
     visit("simplify_error_m", options.simplify_error_m, "quadric error at which simplification stops, m; 0: no limit");
+    visit("color", options.color, "colours of mesh.ply, mesh.glb and the mosaic: raw (as recorded) or restored (without attenuation and backscatter of the water, as far as the dive tells them)");
+    visit("white_point", options.white_point, "color.white_point in metrics.json of an earlier dive of the place, three numbers with commas, so that restored colours compare; empty: from the dive");
     visit("texture", options.texture, "texture mesh.glb with the photographs, and make the mosaic");
     visit("exports", options.exports, "files for other programs, separated by commas: kitti, euroc (trajectory), obj, ply, las, laz, 3dtiles (mesh), e57 (points), colmap, nerfstudio, mcap (keyframes)");
     visit("num_threads", options.num_threads, "0: all cores; the result does not depend on it");
@@ -107,6 +111,11 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
     faults.require_one_of("fusion", options.fusion, {"octree", "tsdf"});
     faults.require_one_of("correct_scale", options.correct_scale, {"auto", "on", "off"});
     faults.require_one_of("across_frames", options.across_frames, {"off", "refine", "fill"});
+    faults.require_one_of("color", options.color, {"raw", "restored"});
+    faults.require(options.white_point.empty() || white_point_of(options).has_value(),
+                   "white_point",
+                   "must be empty (from the dive) or three numbers from 0.01 to 1000, such as "
+                   "1.9,2.1,2.4");
     faults.require_one_of("mesher", options.mesher, {"surface_nets", "marching_cubes"});
     faults.require(options.num_disparities_px >= 16 && options.num_disparities_px <= 512 &&
                        options.num_disparities_px % 16 == 0,
@@ -160,6 +169,20 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
 }
 
 }  // namespace
+
+std::optional<std::array<double, 3>> white_point_of(const ReconstructionOptions& options) {
+    std::array<double, 3> numbers{};
+    const char* next = options.white_point.data();
+    const char* const end = next + options.white_point.size();
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        if (i > 0 && (next == end || *next++ != ',')) return std::nullopt;
+        const auto read = std::from_chars(next, end, numbers[i]);
+        if (read.ec != std::errc() || !(numbers[i] >= 0.01 && numbers[i] <= 1000.0))
+            return std::nullopt;
+        next = read.ptr;
+    }
+    return next == end ? std::optional(numbers) : std::nullopt;
+}
 
 ReconstructionOptions preset_options(std::string_view preset) {
     ReconstructionOptions options;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -53,6 +55,9 @@ struct ReconstructionOptions {
     double max_sigma_m = 0.0;     // of a vertex; less certain surface is removed; 0: no limit
     double simplify = 1.0;        // share of the triangles to keep
     double simplify_error_m = 0;  // quadric error at which simplifying stops; 0: no limit
+    // color
+    std::string color = "raw";  // raw (as recorded) | restored (without the water)
+    std::string white_point;    // of an earlier dive: three numbers; empty: chosen from the dive
     // texture
     bool texture = true;  // of mesh.glb, and the mosaic
     // evaluate
@@ -73,6 +78,9 @@ ReconstructionOptions preset_options(std::string_view preset);
 // Returns the preset with overrides, checked. Throws Error{InvalidArgument}, which names an unknown
 // or impossible option.
 ReconstructionOptions make_options(std::string_view preset, const nlohmann::json& overrides);
+
+// Returns the numbers of the option white_point (r g b); nullopt if it is empty or no such three.
+std::optional<std::array<double, 3>> white_point_of(const ReconstructionOptions& options);
 
 struct OptionText {
     std::string name;

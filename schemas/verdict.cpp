@@ -96,6 +96,7 @@ constexpr Row kRows[] = {
     {"position_unusable",           ""},
     {"truth_set_aside",             ""},
     {"texture_incomplete",          ""},
+    {"color_not_restored",          ""},
 };
 // clang-format on
 

@@ -14,7 +14,7 @@ set(cli_may_use schemas storage worker api server sensor)
 # Inside worker/ a folder includes only folders named before it.
 set(worker_layers
   base stats types camera imu features stereo odometry optimisation keyframes loops calibration
-  fusion mesh texture mosaic io dive video recording markers boards simulator evaluation reef report board_calibration compare pipeline attempt runner)
+  fusion mesh texture color mosaic io dive video recording markers boards simulator evaluation reef report board_calibration compare pipeline attempt runner)
 
 # Of worker/, what the agent on the device may include: no solver library, no reader of tags.
 set(sensor_may_use_of_worker base stats types camera features odometry dive)

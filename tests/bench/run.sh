@@ -13,6 +13,9 @@
 #   tests/bench/run.sh --only reef [--first-seed N] [--seeds N] [--scenes tank,barge,reef] [--each] [--keep DIR]
 # How often the intervals of reef metrics hold, over squares of the same dives; with the DIR of the
 # bounds their reconstructions are not made again.
+#   tests/bench/run.sh --only color [--scenes NAME,...] [--waters NAME,...] [--seed N] [--keep DIR]
+# How true restored colours are (color=restored): against the reflectance that the simulator knows,
+# and between two dives of one place in two waters.
 #   tests/bench/run.sh --only envelope [--quick] [--axis NAME,...] [--keep DIR] [--table FILE] [--plot FILE]
 # Where reconstruction ends: rate, calibration, light and the rest, each walked by itself until it breaks;
 # docs/envelope.md has table and plot. With the DIR of an earlier run it goes on from there.
@@ -39,6 +42,9 @@ fi
 if [[ ${1:-} == --only && ${2:-} == bounds ]]; then
     shift 2
     bench=divemesh_bounds
+elif [[ ${1:-} == --only && ${2:-} == color ]]; then
+    shift 2
+    bench=divemesh_color_bench
 elif [[ ${1:-} == --only && ${2:-} == envelope ]]; then
     shift 2
     bench=divemesh_envelope_bench

@@ -70,6 +70,17 @@ TEST_F(CommandLineTest, TakesOptionsFromVariablesAndAConfigFile) {
               "window");
 }
 
+TEST_F(CommandLineTest, TakesTheColorsThatAreWanted) {
+    const Outcome shown = run(
+        {"reconstruct", "--explain", "--json", "--color", "restored", "--white-point", "1,2,3"});
+    ASSERT_EQ(shown.exit_code, 0) << shown.err;
+    const auto options = nlohmann::json::parse(shown.out);
+    EXPECT_EQ(options.at("color"), "restored");
+    EXPECT_EQ(options.at("white_point"), "1,2,3");
+    EXPECT_EQ(run({"reconstruct", "--explain", "--color", "grey"}).exit_code, 2);
+    EXPECT_EQ(run({"reconstruct", "--explain", "--white-point", "1,2"}).exit_code, 2);
+}
+
 TEST_F(CommandLineTest, TokensMadeAndRevokedAtTheServerAreNotedWithTheUser) {
     const std::string data = (folder / "data").string();
     const auto made = run({"token", "create", "--data", data, "--name", "laptop"});

@@ -71,7 +71,8 @@ double textured_share(const types::Mesh& mesh, const types::Texture& texture) {
 DisplayMesh make_display_mesh(const types::Mesh& surface,
                               const types::RectifiedRig& rig,
                               const std::vector<types::Keyframe>& keyframes,
-                              const keyframes::ReadImage& read_image,
+                              const keyframes::ReadImage& recorded,
+                              const keyframes::ReadImage& shown,
                               int num_threads,
                               const base::ProgressCallback& progress) {
     DisplayMesh result{
@@ -86,12 +87,12 @@ DisplayMesh make_display_mesh(const types::Mesh& surface,
         texture::choose_face_views(result.mesh,
                                    rig,
                                    keyframes,
-                                   read_image,
+                                   recorded,
                                    num_threads,
                                    base::part_of(progress, kMeasured, kChosen));
     result.texture = texture::texture_mesh(result.mesh,
                                            chosen.face_views,
-                                           {rig, keyframes, read_image},
+                                           {rig, keyframes, shown},
                                            {},
                                            num_threads,
                                            base::part_of(progress, kChosen, 1.0));

@@ -21,11 +21,13 @@ struct DisplayMesh {
 
 // Returns the surface simplified within half of each vertex's standard deviation, which nobody sees
 // and viewers need, and textured with the photographs of the keyframes. `surface` must not be
-// empty; `read_image` returns images at the rig's size.
+// empty. Both readers return images at the rig's size: `recorded` those by which a keyframe is
+// chosen for each triangle, `shown` those that the texture is cut from.
 DisplayMesh make_display_mesh(const types::Mesh& surface,
                               const types::RectifiedRig& rig,
                               const std::vector<types::Keyframe>& keyframes,
-                              const keyframes::ReadImage& read_image,
+                              const keyframes::ReadImage& recorded,
+                              const keyframes::ReadImage& shown,
                               int num_threads,
                               const base::ProgressCallback& progress);
 

@@ -7,6 +7,7 @@
 #include "worker/pipeline/simplification_error.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
+#include "worker/pipeline/water_color.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -61,10 +62,15 @@ void save_mesh(Reconstruction& made, const std::string& key) {
     save_surface(made.scratch("mesh.stage"), key, made.surface);
 }
 
+void write_mesh(Reconstruction& made) {
+    made.mesh_writer.run([&made] { io::write_ply(made.artifact("mesh.ply"), made.surface.mesh); });
+}
+
 void finish_mesh(Reconstruction& made) {
     made.cloud_writer.wait();
     made.volume.reset();
-    made.mesh_writer.run([&made] { io::write_ply(made.artifact("mesh.ply"), made.surface.mesh); });
+    // The stage after it writes the mesh with its own colours.
+    if (!restores_color(made.request.options)) write_mesh(made);
     made.border_finder.run([&made] {
         made.borders = mesh::find_borders(made.surface.mesh);
         made.coverage = mesh::image_coverage(

@@ -17,6 +17,7 @@
 #include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/io/rig_json.hpp"
 #include "worker/io/solver_json.hpp"
+#include "worker/pipeline/color_metrics.hpp"
 #include "worker/types/disparity_range.hpp"
 
 namespace divemesh::pipeline {
@@ -417,6 +418,7 @@ json metrics_document(const MetricsInput& input) {
     if (input.track.dense.num_frames > 0) document["stereo"] = stereo(input.track.dense);
     if (input.mesh) document["mesh"] = mesh(*input.mesh);
     if (input.texture) document["texture"] = texture(*input.texture);
+    if (input.color) document["color"] = to_metrics(*input.color);
     if (input.end_covariance_m2)
         document["trajectory"]["covariance"]["end_sigma_m"] =
             std::sqrt(input.end_covariance_m2->trace());

@@ -19,6 +19,7 @@
 #include "worker/pipeline/map_metrics.hpp"
 #include "worker/pipeline/stage_time.hpp"
 #include "worker/pipeline/texture_metrics.hpp"
+#include "worker/pipeline/water_color.hpp"
 #include "worker/types/geographic_position.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/rig.hpp"
@@ -71,6 +72,7 @@ struct MetricsInput {
     std::vector<types::TrackingSegment> segments;
     std::optional<MeshMetrics> mesh;                // nullopt: no surface was requested
     std::optional<TextureMetrics> texture;          // likewise
+    const WaterColor* color = nullptr;              // null: colours stay as recorded, as asked
     std::optional<markers::MarkerMetrics> markers;  // nullopt: markers were not searched for
     std::optional<evaluation::CombinedScale> scale_correction;  // nullopt: not applied by itself
     std::vector<StageTime> stages;

@@ -93,6 +93,9 @@ struct Reconstruction {
     mesh::MeshBorders borders;
     std::vector<mesh::ImageCoverage> coverage;
 
+    // color
+    std::optional<WaterColor> color;  // nullopt: colours stay as recorded, as asked
+
     // texture
     TextureMetrics texture;
     std::string thumbnail_png;

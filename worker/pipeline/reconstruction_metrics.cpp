@@ -6,6 +6,7 @@
 #include "worker/evaluation/surface_samples.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
 #include "worker/pipeline/alignment_findings.hpp"
+#include "worker/pipeline/color_metrics.hpp"
 #include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/metrics_document.hpp"
 #include "worker/pipeline/result_findings.hpp"
@@ -96,6 +97,7 @@ std::vector<Finding> findings(const Reconstruction& made,
     add(surface_finding(std::ssize(made.surface.mesh.triangles)));
     if (made.surface.mesh.triangles.empty()) return all;
     add(incomplete_finding(made.coverage, made.surface.cut_by_sigma_m2));
+    if (made.color) add(color_finding(*made.color));
     if (made.options().texture)
         add(texture_finding(made.texture, std::ssize(made.optimised.keyframes)));
     return all;
@@ -160,6 +162,7 @@ nlohmann::json metrics_of(const Reconstruction& made) {
          .segments = segments,
          .mesh = mesh_metrics(made),
          .texture = made.request.options.surface ? std::optional(made.texture) : std::nullopt,
+         .color = made.color ? &*made.color : nullptr,
          .markers = made.markers,
          .scale_correction = made.scale_correction,
          .stages = made.stages,

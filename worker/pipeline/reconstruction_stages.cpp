@@ -1,6 +1,7 @@
 #include "worker/pipeline/reconstruction_stages.hpp"
 
 #include "worker/pipeline/stage_functions.hpp"
+#include "worker/pipeline/water_color.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -17,7 +18,7 @@ std::vector<Stage<Reconstruction>> reconstruction_stages() {
                   .files = {"align.stage"}},
          .load = load_align, .run = run_align, .save = save_align, .finish = finish_align},
 
-        {.spec = {.name = "track", .share = 0.55,
+        {.spec = {.name = "track", .share = 0.51,
                   .reads = {"stereo", "num_disparities_px", "stereo_scales", "num_features", "max_width_px", "estimator", "use_imu",
                             "use_ahrs", "use_pressure", "align_imu", "close_loops", "surface", "map_step", "seed"},
                   .files = {"track.stage", "keyframes"}},
@@ -42,6 +43,12 @@ std::vector<Stage<Reconstruction>> reconstruction_stages() {
                   .reads = {"max_sigma_m", "simplify", "simplify_error_m"},
                   .files = {"mesh.stage"}},
          .wanted = surface_wanted, .load = load_mesh, .run = run_mesh, .save = save_mesh, .finish = finish_mesh},
+
+        {.spec = {.name = "color", .part_of = "texture", .share = 0.04,
+                  .reads = {"color", "white_point"},
+                  .reads_count = restores_color,
+                  .files = {"color.stage"}},
+         .wanted = color_wanted, .load = load_color, .run = run_color, .save = save_color, .finish = finish_color},
 
         {.spec = {.name = "texture", .share = 0.05,
                   .reads = {"texture"},

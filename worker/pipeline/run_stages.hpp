@@ -75,8 +75,8 @@ void run_stages(const std::vector<Stage<State>>& stages,
     for (const Stage<State>& stage : stages) whole += wanted(stage) ? stage.spec.share : 0.0;
     for (std::size_t i = 0; i < stages.size(); ++i) {
         const Stage<State>& stage = stages[i];
+        settings.begin(i);  // before `wanted`, which may ask for the stage's own options
         if (!wanted(stage)) continue;
-        settings.begin(i);
         const StageSpec& spec = stage.spec;
         const Stopwatch watch;
         const auto progress = settings.progress.begin(

@@ -195,6 +195,23 @@ void fields(auto& file, Is<types::OptimisedTrack> auto& track) {
 
 void fields(auto& file, Is<CloudMetrics> auto& metrics) { file.plain(metrics); }
 
+void fields(auto& file, Is<WaterColor> auto& color) {
+    file.plain(color.fit.outcome);
+    file.plain(color.fit.light);
+    file.plain(color.fit.channels);
+    file.plain(color.fit.explained_share);
+    file.plain(color.fit.vignetting);
+    file.plain(color.fit.near_m);
+    file.plain(color.fit.far_m);
+    file.plain(color.fit.num_points);
+    file.plain(color.fit.num_sightings);
+    file.vector(color.fit.log_gains);
+    file.plain(color.num_lost_images);
+    file.plain(color.white);
+    file.vector(color.vertices);
+    file.plain(color.limited_share);
+}
+
 void fields(auto& file, Is<TextureMetrics> auto& metrics) {
     file.plain(metrics.num_triangles);
     file.plain(metrics.simplification);
@@ -291,6 +308,17 @@ void save_surface(const std::filesystem::path& path,
 
 std::optional<Surface> load_surface(const std::filesystem::path& path, const std::string& key) {
     return load<Surface>(path, key);
+}
+
+void save_water_color(const std::filesystem::path& path,
+                      const std::string& key,
+                      const WaterColor& color) {
+    save(path, key, color);
+}
+
+std::optional<WaterColor> load_water_color(const std::filesystem::path& path,
+                                           const std::string& key) {
+    return load<WaterColor>(path, key);
 }
 
 void save_texture_metrics(const std::filesystem::path& path,

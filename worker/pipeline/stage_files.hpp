@@ -7,6 +7,7 @@
 #include "worker/pipeline/map_metrics.hpp"
 #include "worker/pipeline/surface.hpp"
 #include "worker/pipeline/texture_metrics.hpp"
+#include "worker/pipeline/water_color.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/rig_alignment.hpp"
 #include "worker/types/track.hpp"
@@ -44,6 +45,12 @@ void save_surface(const std::filesystem::path& file,
                   const std::string& key,
                   const Surface& surface);
 std::optional<Surface> load_surface(const std::filesystem::path& file, const std::string& key);
+
+void save_water_color(const std::filesystem::path& file,
+                      const std::string& key,
+                      const WaterColor& color);
+std::optional<WaterColor> load_water_color(const std::filesystem::path& file,
+                                           const std::string& key);
 
 void save_texture_metrics(const std::filesystem::path& file,
                           const std::string& key,

@@ -49,6 +49,15 @@ bool load_mesh(Reconstruction& made, const std::string& key);
 void run_mesh(Reconstruction& made, const base::ProgressCallback& progress);
 void save_mesh(Reconstruction& made, const std::string& key);
 void finish_mesh(Reconstruction& made);
+// Starts to write mesh.ply, in the background.
+void write_mesh(Reconstruction& made);
+
+// The colour of the water, and that of the surface without it.
+bool color_wanted(const Reconstruction& made);
+bool load_color(Reconstruction& made, const std::string& key);
+void run_color(Reconstruction& made, const base::ProgressCallback& progress);
+void save_color(Reconstruction& made, const std::string& key);
+void finish_color(Reconstruction& made);
 
 // These show the surface: GLB with the photographs, keyframe images, mosaic and heights.
 bool load_texture(Reconstruction& made, const std::string& key);

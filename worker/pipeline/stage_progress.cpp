@@ -33,8 +33,9 @@ void StageProgress::forward(Progress progress) {
     const double stage_s = seconds_since(stage_started_);
     if (progress.frames_done > 0 && stage_s > 0.0)
         progress.frames_per_s = static_cast<double>(progress.frames_done) / stage_s;
-    progress.fraction =
-        std::min(1.0, share_begun_ + share_ * std::clamp(progress.fraction, 0.0, 1.0));
+    const double fraction = share_begun_ + share_ * std::clamp(progress.fraction, 0.0, 1.0);
+    reached_ = std::min(1.0, std::max(reached_, fraction));  // rounded sums of shares may go back
+    progress.fraction = reached_;
     if (progress.fraction > 0.02)
         progress.seconds_left =
             seconds_since(started_) * (1.0 - progress.fraction) / progress.fraction;

@@ -29,6 +29,7 @@ private:
     std::string stage_;
     double share_begun_ = 0.0;
     double share_ = 0.0;
+    double reached_ = 0.0;  // fraction of the whole
     Clock::time_point started_ = Clock::now();
     Clock::time_point stage_started_ = started_;
 };

@@ -6,6 +6,7 @@
 #include "worker/base/atomic_file.hpp"
 #include "worker/base/part_of.hpp"
 #include "worker/camera/small_left_images.hpp"
+#include "worker/color/restored_images.hpp"
 #include "worker/io/glb_writer.hpp"
 #include "worker/io/mosaic_files.hpp"
 #include "worker/keyframes/keyframe_images.hpp"
@@ -45,18 +46,33 @@ keyframes::ReadImage keyframe_images(const Reconstruction& made) {
                int frame_index) { return images->read(frame_index); };
 }
 
+// Returns what reads the photographs without the water, from what reads them as recorded; or that
+// itself, if this was not asked or is not possible.
+keyframes::ReadImage shown_images(const Reconstruction& made,
+                                  const keyframes::ReadImage& recorded) {
+    if (!made.color || !made.color->fit.is_known()) return recorded;
+    return color::restored_images(made.surface.mesh,
+                                  made.optimised.rig,
+                                  made.optimised.keyframes,
+                                  recorded,
+                                  color::Restorer(made.color->fit, made.color->white));
+}
+
 // Returns the surface as viewers show it: with the photographs, or as it is where there is none.
 DisplayMesh displayed(const Reconstruction& made, const base::ProgressCallback& progress) {
     const types::Mesh& surface = made.surface.mesh;
     if (!made.options().texture || surface.triangles.empty())
         return {surface, {}, {.num_triangles = std::ssize(surface.triangles)}};
-    return make_display_mesh(
-        surface,
-        made.optimised.rig,
-        made.optimised.keyframes,
-        [&made](int frame_index) { return made.keyframe_store.left_in_color(frame_index); },
-        made.options().num_threads,
-        progress);
+    const keyframes::ReadImage recorded = [&made](int frame_index) {
+        return made.keyframe_store.left_in_color(frame_index);
+    };
+    return make_display_mesh(surface,
+                             made.optimised.rig,
+                             made.optimised.keyframes,
+                             recorded,
+                             shown_images(made, recorded),
+                             made.options().num_threads,
+                             progress);
 }
 
 // Writes the mosaic and its thumbnail; returns the size of its pixels, m.

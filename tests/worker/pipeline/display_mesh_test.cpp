@@ -46,18 +46,14 @@ protected:
     }
     // `lost_frame` is a frame whose image cannot be read.
     DisplayMesh shown(int lost_frame = -1) const {
+        const auto read = [&](int frame_index) {
+            if (frame_index == lost_frame) throw Error(ErrorCode::Unavailable, "no disk");
+            return SeaFloor()
+                .look(keyframes_[static_cast<std::size_t>(frame_index)].T_world_cam)
+                .left_color;
+        };
         return make_display_mesh(
-            floor_,
-            synthetic::small_rig(),
-            keyframes_,
-            [&](int frame_index) {
-                if (frame_index == lost_frame) throw Error(ErrorCode::Unavailable, "no disk");
-                return SeaFloor()
-                    .look(keyframes_[static_cast<std::size_t>(frame_index)].T_world_cam)
-                    .left_color;
-            },
-            2,
-            base::ignore_progress);
+            floor_, synthetic::small_rig(), keyframes_, read, read, 2, base::ignore_progress);
     }
     // Returns the grey value of the texture at the centre of a triangle.
     static double texel(const types::Texture& texture, std::size_t triangle) {

@@ -10,6 +10,7 @@
 #include <valijson/validator.hpp>
 
 #include "tests/paths.hpp"
+#include "tests/worker/pipeline/known_water.hpp"
 #include "worker/camera/lens_model.hpp"
 #include "worker/io/rig_json.hpp"
 
@@ -97,6 +98,8 @@ MetricsInput dive_with_everything() {
                              .coverage = {{1'000, 0.9, 0.8, 0.6}},
                              .simplification = mesh::SimplificationError{9, 0.001, 0.002},
                              .voxels = {0.01, 0.005, 0.02}};
+    static const WaterColor water = known_water();
+    input.color = &water;
     evaluation::KnownDistanceErrors known;
     known.distances = {{"bar", 1.0, 1.01, 8, 9}, {"rib", 2.0, std::nullopt, 0, 9}};
     known.num_measured = 1;
@@ -139,6 +142,43 @@ TEST(MetricsDocument, FitsItsSchemaWithACalibrationInAnotherMedium) {
 
     EXPECT_TRUE(is_valid(document));
     EXPECT_EQ(document["calibration"]["alignment"]["medium"]["refractive_index"], 1.337);
+}
+
+TEST(MetricsDocument, FitsItsSchemaWithEveryLightAndWithWaterThatIsNotKnown) {
+    MetricsInput input = plain_dive();
+    EXPECT_FALSE(metrics_document(input).contains("color"));
+    for (const auto light : kLightSources) {
+        const WaterColor water = known_water(light);
+        input.color = &water;
+        const json document = metrics_document(input);
+        EXPECT_TRUE(is_valid(document)) << document["color"];
+        EXPECT_EQ(document["color"]["light"], color::to_string(light));
+    }
+    for (const auto outcome : kFailedOutcomes)
+        for (WaterColor water : {known_water(), WaterColor()}) {
+            water.fit.outcome = outcome;
+            input.color = &water;
+            const json document = metrics_document(input);
+            EXPECT_TRUE(is_valid(document)) << document["color"];
+            EXPECT_EQ(document["color"]["outcome"], color::to_string(outcome));
+            EXPECT_EQ(document["color"]["restored"], false);
+        }
+}
+
+TEST(MetricsDocument, TheSchemaRefusesWaterThatNoDiveHas) {
+    const auto is_valid_with = [](const char* pointer, const json& value) {
+        json document = metrics_document(dive_with_everything());
+        document.at(json::json_pointer(pointer)) = value;
+        return is_valid(document);
+    };
+    EXPECT_TRUE(is_valid_with("/color/near_m", 0.5));
+    EXPECT_FALSE(is_valid_with("/color/near_m", -0.5));
+    EXPECT_FALSE(is_valid_with("/color/outcome", "unknown"));
+    EXPECT_FALSE(is_valid_with("/color/light", "moon"));
+    EXPECT_FALSE(is_valid_with("/color/explained_share", 1.5));
+    EXPECT_FALSE(is_valid_with("/color/white_point", {1.9, 2.1}));
+    for (const char* channel : {"/color/red/veil", "/color/green/veil", "/color/blue/veil"})
+        EXPECT_FALSE(is_valid_with(channel, 0.1)) << channel << " without its sigma";
 }
 
 TEST(MetricsDocument, AnEstimatedImuIsToldWithoutLenses) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -11,6 +13,8 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <set>
+#include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "schemas/error.hpp"
@@ -21,8 +25,10 @@
 #include "tests/temporary_folder.hpp"
 #include "tests/worker/pipeline/blob_stage_store.hpp"
 #include "worker/dive/dive.hpp"
+#include "worker/io/ply.hpp"
 #include "worker/pipeline/link_or_copy.hpp"
 #include "worker/pipeline/reconstruction_stages.hpp"
+#include "worker/pipeline/stage_cache.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/simulator/dive_files.hpp"
 #include "worker/simulator/simulate.hpp"
@@ -240,12 +246,13 @@ TEST_F(ReconstructDiveTest, ADiveWhoseCamerasShareNoFieldOfViewIsRefused) {
     EXPECT_EQ(told.back().code, "calibration_no_overlap");
 }
 
-// Returns the names of the stages that leave files, up to and without `end`; "": all of them.
+// Returns the names of the stages that leave files where colours stay as recorded, up to and
+// without `end`; "": all of them.
 std::set<std::string> kept_stages_before(const std::string& end) {
     std::set<std::string> names;
     for (const StageSpec& spec : specs_of(reconstruction_stages())) {
         if (spec.name == end) break;
-        if (!spec.files.empty()) names.insert(spec.name);
+        if (!spec.files.empty() && spec.name != "color") names.insert(spec.name);
     }
     return names;
 }
@@ -305,6 +312,124 @@ TEST_F(ReconstructDiveTest, AnAttemptGoesOnFromWhatTheOneBeforeLeftInItsScratchF
     EXPECT_EQ(reused(reconstruct("again", options)), all_but_mesh);
 
     expect_same_files("first", "again");
+}
+
+// The tank holds no water.
+TEST_F(ReconstructDiveTest, ADiveInAirKeepsItsColoursAndSaysSo) {
+    cache_ = folder_ / "cache";
+    const auto raw = reconstruct("raw", {{"voxel_m", 0.02}});
+    const auto asked = reconstruct("asked", {{"voxel_m", 0.02}, {"color", "restored"}});
+
+    EXPECT_EQ(reused(asked), kept_stages_before("color"));
+    EXPECT_FALSE(raw.contains("color"));
+    EXPECT_EQ(finding_of(raw, "color_not_restored"), nullptr);
+    ASSERT_TRUE(asked.contains("color"));
+    EXPECT_EQ(asked["color"]["restored"], false) << asked["color"];
+    EXPECT_NE(finding_of(asked, "color_not_restored"), nullptr) << asked["findings"];
+    EXPECT_EQ(asked["restrictions"], raw["restrictions"]);
+    for (const char* name : {"mesh.ply", "mesh.glb", "mosaic.png"})
+        EXPECT_EQ(content(folder_ / "asked" / name), content(folder_ / "raw" / name)) << name;
+}
+
+// What is left of the level of a pixel whose light is halved.
+const double kHalfLight = std::pow(0.5, 1.0 / 2.2);
+
+std::vector<types::Color> with_half_the_light(std::vector<types::Color> colors) {
+    for (types::Color& color : colors)
+        for (std::uint8_t& level : color)
+            level = static_cast<std::uint8_t>(std::lround(kHalfLight * level));
+    return colors;
+}
+
+// Water that takes no light, and a white with twice the light of white in the images.
+void run_half_the_light(Reconstruction& made, const base::ProgressCallback&) {
+    WaterColor water;
+    water.fit.outcome = color::FitOutcome::Estimated;
+    water.fit.near_m = 0.5;
+    water.fit.far_m = 4.0;
+    water.fit.log_gains.assign(made.optimised.keyframes.size(), 0.0);
+    water.white.white.fill(2.0);
+    water.vertices = with_half_the_light(made.surface.mesh.colors);
+    made.color = std::move(water);
+}
+
+Stage<Reconstruction>& color_stage_of(std::vector<Stage<Reconstruction>>& stages) {
+    return *std::ranges::find_if(stages,
+                                 [](const auto& stage) { return stage.spec.name == "color"; });
+}
+
+// Returns the mean level of the pixels of a mosaic that show surface.
+double mean_level(const fs::path& mosaic) {
+    const cv::Mat image = cv::imread(mosaic.string(), cv::IMREAD_UNCHANGED);
+    if (image.type() != CV_8UC4) throw std::runtime_error("not a mosaic: " + mosaic.string());
+    cv::Mat is_surface;
+    cv::extractChannel(image, is_surface, 3);
+    const cv::Scalar mean = cv::mean(image, is_surface);
+    return (mean[0] + mean[1] + mean[2]) / 3.0;
+}
+
+// Expects that a reconstruction shows the surface of `raw` with half the light.
+void expect_half_the_light(const fs::path& restored, const fs::path& raw) {
+    const types::Mesh before = io::read_ply(raw / "mesh.ply");
+    const types::Mesh after = io::read_ply(restored / "mesh.ply");
+    ASSERT_FALSE(before.colors.empty());
+    EXPECT_EQ(after.vertices, before.vertices);
+    EXPECT_EQ(after.triangles, before.triangles);
+    EXPECT_EQ(after.sigma_m, before.sigma_m);
+    EXPECT_EQ(after.colors, with_half_the_light(before.colors));
+    EXPECT_NEAR(
+        mean_level(restored / "mosaic.png") / mean_level(raw / "mosaic.png"), kHalfLight, 0.03);
+    EXPECT_NE(content(restored / "mesh.glb"), content(raw / "mesh.glb"));
+}
+
+// Expects that what is never restored is the same in two reconstructions.
+void expect_same_recorded_colors(const fs::path& one, const fs::path& other) {
+    EXPECT_EQ(content(one / "cloud.ply"), content(other / "cloud.ply"));
+    const std::set<std::string> images = names_in(one / "keyframes");
+    ASSERT_FALSE(images.empty());
+    for (const std::string& image : images)
+        EXPECT_EQ(content(one / "keyframes" / image), content(other / "keyframes" / image))
+            << image;
+}
+
+TEST_F(ReconstructDiveTest, RestoredColoursAreOnTheSameSurfaceAndInItsPhotographs) {
+    auto stages = reconstruction_stages();
+    color_stage_of(stages).run = run_half_the_light;
+    cache_ = folder_ / "cache";
+    StageCache store(cache_, std::int64_t{1} << 30);
+    const auto restored = [&](const std::string& name) {
+        const auto of = request(name, {{"voxel_m", 0.02}, {"color", "restored"}});
+        return with_progress([&](const base::ProgressCallback& progress) {
+            return reconstruct_dive(of, stages, store, progress);
+        });
+    };
+    reconstruct("raw", {{"voxel_m", 0.02}});
+    const auto metrics = restored("restored");
+    EXPECT_EQ(reused(metrics), kept_stages_before("color"));
+    EXPECT_EQ(metrics["color"]["restored"], true);
+    EXPECT_EQ(finding_of(metrics, "color_not_restored"), nullptr);
+    expect_half_the_light(folder_ / "restored", folder_ / "raw");
+    expect_same_recorded_colors(folder_ / "restored", folder_ / "raw");
+
+    auto all_and_color = kept_stages_before("");
+    all_and_color.insert("color");
+    EXPECT_EQ(reused(restored("again")), all_and_color);
+    expect_same_files("restored", "again");
+}
+
+TEST_F(ReconstructDiveTest, ColoursAreRestoredIfThatIsAskedAndThereIsASurface) {
+    auto stages = reconstruction_stages();
+    const auto wanted = [&](const nlohmann::json& overrides, const std::vector<Finding>& findings) {
+        const auto of = request("model", overrides);
+        Reconstruction made(of);
+        made.optimised.findings = findings;
+        return color_stage_of(stages).wanted(made);
+    };
+    EXPECT_TRUE(wanted({{"color", "restored"}}, {}));
+    EXPECT_FALSE(wanted({{"color", "raw"}}, {}));
+    EXPECT_FALSE(wanted({{"color", "raw"}, {"white_point", "1.9,2.1,2.4"}}, {}));
+    EXPECT_FALSE(wanted({{"color", "restored"}, {"surface", false}}, {}));
+    EXPECT_FALSE(wanted({{"color", "restored"}}, {{Severity::Error, "nothing_reconstructed"}}));
 }
 
 // An extra stage between mesh and texture: it writes the number of triangles to a file of its own.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -46,6 +47,20 @@ TEST(ReconstructionStagesTest, EveryOptionIsReadFirstByOneStageOrByTheMachine) {
     for (const auto& option : options.items()) once[option.key()] = 1;
 
     EXPECT_EQ(num_readers, once);
+}
+
+TEST(ReconstructionStagesTest, ColoursAreRestoredBetweenMeshAndTexture) {
+    const std::vector<StageSpec> specs = specs_of(reconstruction_stages());
+    const auto color = std::ranges::find(specs, "color", &StageSpec::name);
+    ASSERT_TRUE(color != specs.begin() && color != specs.end());
+
+    EXPECT_EQ(std::prev(color)->name, "mesh");
+    EXPECT_EQ(std::next(color)->name, "texture");
+    EXPECT_EQ(color->part_of, "texture") << "a job has no such stage";
+    EXPECT_EQ(color->reads, (Names{"color", "white_point"}));
+    ASSERT_NE(color->reads_count, nullptr);
+    EXPECT_FALSE(color->reads_count(make_options("standard", {{"white_point", "1.9,2.1,2.4"}})));
+    EXPECT_TRUE(color->reads_count(make_options("standard", {{"color", "restored"}})));
 }
 
 TEST(ReconstructionStagesTest, TheSharesOfTheProgressAreOneWhole) {

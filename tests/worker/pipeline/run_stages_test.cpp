@@ -116,8 +116,9 @@ protected:
     // Does one run in the folder `scratch`.
     Numbers run(const std::string& scratch, const nlohmann::json& overrides = kPlain) {
         fs::create_directories(folder_ / scratch);
-        Numbers numbers{.scratch = folder_ / scratch,
-                        .options = make_options("standard", overrides)};
+        const ReconstructionOptions options = make_options("standard", overrides);
+        const std::vector<StageSpec> specs = specs_of(stages_);
+        Numbers numbers{.scratch = folder_ / scratch, .options = options};
         seen_.clear();
         reused_.clear();
         done_.clear();
@@ -129,11 +130,16 @@ protected:
                     .resumable = resumable_,
                     .store = *store_,
                     .progress = progress,
-                    .done = [&](const StageSpec& stage, const StageTime& time) {
-                        done_.push_back(stage.name);
-                        EXPECT_EQ(time.stage, stage.name);
-                        if (time.reused) reused_.push_back(time.stage);
-                    }});
+                    .begin =
+                        [&](std::size_t index) {
+                            numbers.options = options_known_to(index, specs, options);
+                        },
+                    .done =
+                        [&](const StageSpec& stage, const StageTime& time) {
+                            done_.push_back(stage.name);
+                            EXPECT_EQ(time.stage, stage.name);
+                            if (time.reused) reused_.push_back(time.stage);
+                        }});
         progress.finish();
         return numbers;
     }
@@ -205,6 +211,13 @@ TEST_F(RunStagesTest, AStageThatIsNotWantedLeavesItsShareToTheOthers) {
     EXPECT_DOUBLE_EQ(begin_of("sum"), 0.5 / 0.8);
     EXPECT_DOUBLE_EQ(begin_of("tell"), 0.7 / 0.8);
     EXPECT_EQ(seen_.back().fraction, 1.0);
+}
+
+TEST_F(RunStagesTest, AnOptionThatAStageIsTheFirstToReadDecidesWhetherItRuns) {
+    stages_[1].wanted = [](const Numbers& numbers) { return numbers.options.simplify < 1.0; };
+
+    EXPECT_EQ(run("first").run, (Names{"root", "sum", "tell"}));
+    EXPECT_EQ(run("second", {{"simplify", 0.5}}).run, (Names{"square", "sum", "tell"}));
 }
 
 TEST_F(RunStagesTest, APartOfAStageIsToldAsThatStage) {

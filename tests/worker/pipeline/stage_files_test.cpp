@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "tests/temporary_folder.hpp"
+#include "tests/worker/pipeline/known_water.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -64,14 +65,22 @@ TEST(StageFiles, AnotherKeyOrAMissingFileMeansTheStageRunsAgain) {
     EXPECT_FALSE(load_track(folder / "missing.stage", "key"));
 }
 
-TEST(StageFiles, AFileCutAtAnyByteIsNotLoaded) {
-    const TemporaryFolder folder;
-    const auto file = folder / "track.stage";
-    save_track(file, "key", small_track());
+// Expects that a file is loaded, but not once it is cut at any byte.
+template <typename Load>
+void expect_loaded_only_whole(const std::filesystem::path& file, const Load& load) {
+    ASSERT_TRUE(load(file, "key"));
     for (auto size = std::filesystem::file_size(file); size-- > 0;) {
         std::filesystem::resize_file(file, size);
-        EXPECT_FALSE(load_track(file, "key")) << "cut at " << size;
+        EXPECT_FALSE(load(file, "key")) << "cut at " << size;
     }
+}
+
+TEST(StageFiles, AFileCutAtAnyByteIsNotLoaded) {
+    const TemporaryFolder folder;
+    save_track(folder / "track.stage", "key", small_track());
+    expect_loaded_only_whole(folder / "track.stage", load_track);
+    save_water_color(folder / "color.stage", "key", known_water());
+    expect_loaded_only_whole(folder / "color.stage", load_water_color);
 }
 
 TEST(StageFiles, AnOptimisedTrackSurvivesTheDiskWithItsFindings) {
@@ -146,6 +155,45 @@ TEST(StageFiles, MetricsOfTheTextureSurviveTheDisk) {
     EXPECT_EQ(read->textured_share, 0.75);
     EXPECT_EQ(read->texels_per_pixel, 0.5);
     EXPECT_EQ(read->lost_frames, written.lost_frames);
+}
+
+TEST(StageFiles, WaterAndRestoredColoursSurviveTheDisk) {
+    const TemporaryFolder folder;
+    const WaterColor written = known_water();
+    save_water_color(folder / "color.stage", "key", written);
+    EXPECT_FALSE(load_water_color(folder / "color.stage", "other key"));
+    const auto read = load_water_color(folder / "color.stage", "key");
+
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->fit.outcome, color::FitOutcome::Estimated);
+    EXPECT_EQ(read->fit.light, color::LightSource::Mixed);
+    EXPECT_EQ(read->fit.channels, written.fit.channels);
+    EXPECT_EQ(read->fit.explained_share, written.fit.explained_share);
+    EXPECT_EQ(read->fit.vignetting, written.fit.vignetting);
+    EXPECT_EQ(read->fit.near_m, written.fit.near_m);
+    EXPECT_EQ(read->fit.far_m, written.fit.far_m);
+    EXPECT_EQ(read->fit.num_points, written.fit.num_points);
+    EXPECT_EQ(read->fit.num_sightings, written.fit.num_sightings);
+    EXPECT_EQ(read->fit.log_gains, written.fit.log_gains);
+    EXPECT_TRUE(read->fit.surface.empty()) << "only the white point is made of it";
+    EXPECT_EQ(read->white.white, written.white.white);
+    EXPECT_EQ(read->white.relative, written.white.relative);
+    EXPECT_EQ(read->vertices, written.vertices);
+    EXPECT_EQ(read->limited_share, written.limited_share);
+}
+
+TEST(StageFiles, WaterThatIsNotKnownSurvivesTheDisk) {
+    const TemporaryFolder folder;
+    WaterColor written;
+    written.fit.outcome = color::FitOutcome::NotExplained;
+    written.fit.light = color::LightSource::Camera;
+    save_water_color(folder / "color.stage", "key", written);
+    const auto read = load_water_color(folder / "color.stage", "key");
+
+    ASSERT_TRUE(read);
+    EXPECT_EQ(read->fit.outcome, color::FitOutcome::NotExplained);
+    EXPECT_EQ(read->fit.light, color::LightSource::Camera);
+    EXPECT_TRUE(read->vertices.empty());
 }
 
 TEST(StageFiles, AMeshSurvivesTheDisk) {

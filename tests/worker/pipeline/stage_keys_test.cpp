@@ -18,7 +18,9 @@ const std::map<std::string, std::string> kOtherWords = {{"stereo", "block"},
                                                         {"mesher", "marching_cubes"},
                                                         {"marker_family", "tag25h9"},
                                                         {"exports", "kitti"},
-                                                        {"across_frames", "off"}};
+                                                        {"across_frames", "off"},
+                                                        {"color", "restored"},
+                                                        {"white_point", "1.9,2.1,2.4"}};
 
 // Returns a valid value of an option that differs from `value`.
 nlohmann::json other_value(const std::string& name, const nlohmann::json& value) {
@@ -38,6 +40,13 @@ StageKeys keys_of(const ReconstructionOptions& options,
 
 StageKeys keys_with(const nlohmann::json& overrides) {
     return keys_of(make_options("standard", overrides));
+}
+
+// Returns the overrides without which nothing reads an option.
+nlohmann::json overrides_to_read(const std::string& option) {
+    nlohmann::json overrides = nlohmann::json::object();
+    if (option == "white_point") overrides["color"] = "restored";
+    return overrides;
 }
 
 TEST(StageKeysTest, AnOptionChangesTheKeysFromTheStageOnThatReadsIt) {
@@ -63,9 +72,12 @@ TEST(StageKeysTest, AnOptionChangesTheKeysFromTheStageOnThatReadsIt) {
 // The options that a stage gets depend on nothing but what its key holds.
 TEST(StageKeysTest, AStageSeesOfLaterStagesOptionsTheirDefaultsAlone) {
     const auto specs = specs_of(reconstruction_stages());
-    const ReconstructionOptions options = make_options(
-        "standard",
-        {{"num_features", 400}, {"voxel_m", 0.05}, {"max_sigma_m", 0.02}, {"num_threads", 3}});
+    const ReconstructionOptions options = make_options("standard",
+                                                       {{"num_features", 400},
+                                                        {"voxel_m", 0.05},
+                                                        {"max_sigma_m", 0.02},
+                                                        {"color", "restored"},
+                                                        {"num_threads", 3}});
     const auto known_to = [&](const std::string& name) {
         const auto stage = std::ranges::find(specs, name, &StageSpec::name);
         return options_known_to(static_cast<std::size_t>(stage - specs.begin()), specs, options);
@@ -76,6 +88,8 @@ TEST(StageKeysTest, AStageSeesOfLaterStagesOptionsTheirDefaultsAlone) {
     EXPECT_EQ(known_to("optimise").voxel_m, 0.0);
     EXPECT_EQ(known_to("fuse").voxel_m, 0.05);
     EXPECT_EQ(known_to("fuse").max_sigma_m, 0.0);
+    EXPECT_EQ(known_to("mesh").color, "raw");
+    EXPECT_EQ(known_to("color").color, "restored");
     EXPECT_EQ(known_to("evaluate"), options);
 }
 
@@ -96,16 +110,16 @@ std::vector<std::string> kept_stages() {
 }
 
 TEST(StageKeysTest, EveryOtherOptionChangesTheLastKey) {
-    const ReconstructionOptions options = preset_options("standard");
     const std::string last = kept_stages().back();
-    const auto plain = keys_of(options).at(last);
-    const nlohmann::json values = options_to_json(options);
+    const nlohmann::json values = options_to_json(preset_options("standard"));
     int num_options = 0;
     for (const auto& [name, value] : values.items()) {
         if (std::ranges::count(kOptionsOfTheMachine, name) > 0) continue;
         if (name == "exports") continue;  // made from artifacts, after all stages
         if (name.starts_with("marker_")) continue;
         nlohmann::json other = values;
+        other.update(overrides_to_read(name));
+        const std::string plain = keys_with(other).at(last);
         other[name] = other_value(name, value);
         EXPECT_NE(keys_with(other).at(last), plain) << name;
         ++num_options;
@@ -127,6 +141,26 @@ TEST(StageKeysTest, MarkersChangeTheMapWhereItIsScaledByThem) {
     EXPECT_EQ(keys_with(scaled_by_family).at("optimise"), plain.at("optimise"));
 }
 
+TEST(StageKeysTest, RestoredColoursChangeNoStageUpToTheMesh) {
+    const StageKeys raw = keys_with(nlohmann::json::object());
+    const StageKeys restored = keys_with({{"color", "restored"}});
+
+    for (const char* stage : {"align", "track", "optimise", "markers", "fuse", "mesh"})
+        EXPECT_EQ(restored.at(stage), raw.at(stage)) << stage;
+    EXPECT_NE(restored.at("texture"), raw.at("texture"));
+}
+
+TEST(StageKeysTest, AWhitePointChangesRestoredColoursAlone) {
+    const StageKeys restored = keys_with({{"color", "restored"}});
+    const StageKeys like_before =
+        keys_with({{"color", "restored"}, {"white_point", "1.9,2.1,2.4"}});
+
+    EXPECT_EQ(keys_with({{"white_point", "1.9,2.1,2.4"}}), keys_with({{"color", "raw"}}));
+    EXPECT_EQ(like_before.at("mesh"), restored.at("mesh"));
+    EXPECT_NE(like_before.at("color"), restored.at("color"));
+    EXPECT_NE(like_before.at("texture"), restored.at("texture"));
+}
+
 TEST(StageKeysTest, AnotherDiveOrVersionSharesNothing) {
     const auto options = preset_options("standard");
     const auto plain = keys_of(options).at("track");
@@ -146,12 +180,14 @@ TEST(StageKeysTest, ExportsChangeNothingThatIsKept) {
 
 TEST(StageKeysTest, AnOptionChangesTheKeysFromTheStageThatNamesItOn) {
     const nlohmann::json values = options_to_json(preset_options("standard"));
-    const StageKeys plain = keys_with(nlohmann::json::object());
     const auto specs = specs_of(reconstruction_stages());
     int num_options = 0;
     for (const StageSpec& named_by : specs)
         for (const std::string& option : named_by.reads) {
-            const StageKeys keys = keys_with({{option, other_value(option, values.at(option))}});
+            nlohmann::json overrides = overrides_to_read(option);
+            const StageKeys plain = keys_with(overrides);
+            overrides[option] = other_value(option, values.at(option));
+            const StageKeys keys = keys_with(overrides);
             bool changed = false;
             for (const StageSpec& stage : specs) {
                 changed = changed || stage.name == named_by.name;
