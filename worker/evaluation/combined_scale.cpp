@@ -1,5 +1,6 @@
 #include "worker/evaluation/combined_scale.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -7,7 +8,10 @@ namespace divemesh::evaluation {
 namespace {
 
 constexpr double kMaxSigmaRatio = 0.75;  // of the cameras' sigma
-constexpr double kMaxCorrection = 0.1;   // beyond it a size was stated wrong
+// Of sensors that do not contradict the cameras: a calibration that nothing refutes is right to
+// about a percent, even if this dive's images cannot tell that it still holds.
+constexpr double kMaxSensorSigma = 0.01;
+constexpr double kMaxCorrection = 0.1;  // beyond it a size was stated wrong
 
 double information(const ScaleCheck& check) { return 1.0 / (check.sigma * check.sigma); }
 
@@ -25,7 +29,8 @@ CombinedScale combined_scale(std::vector<ScaleSource> sources, double cameras_si
     result.sensors = mean_of(sources);
     result.sources = std::move(sources);
     result.differs = is_contradicted(result.sensors);
-    result.is_better = result.sensors.sigma <= kMaxSigmaRatio * cameras_sigma;
+    result.is_better =
+        result.sensors.sigma <= std::min(kMaxSensorSigma, kMaxSigmaRatio * cameras_sigma);
     const double with_cameras = std::hypot(result.sensors.sigma, cameras_sigma);
     result.refuted = is_contradicted({result.sensors.scale, with_cameras});
     if (result.refuted) {

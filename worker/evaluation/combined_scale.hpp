@@ -19,7 +19,8 @@ struct CombinedScale {
     double sigma = 0.0;    // of the factor
     bool differs = false;  // the sensors' mean is more than three of its sigmas from 1
     bool refuted = false;  // and more than three sigmas of both together: the calibration is wrong
-    bool is_better = false;  // the sensors' sigma is at most three quarters of the cameras'
+    // The sensors' sigma is at most three quarters of the cameras', and at most 1 %.
+    bool is_better = false;
 };
 
 // Returns the scale by sensors and by cameras whose own scale has the sigma `cameras_sigma`.

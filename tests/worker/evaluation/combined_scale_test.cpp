@@ -50,6 +50,12 @@ TEST(ScaleCorrectionTest, IsNotMadeWithoutReasonOrWhereASizeMustBeWrong) {
     EXPECT_FALSE(scale_correction({{"markers", {1.05, 0.001}}}, 0.0));
 }
 
+// As with images of JPEG quality 8, whose right scale is 1.
+TEST(ScaleCorrectionTest, IsNotMadeBySensorsThatKnowLittleWhereImagesTellLess) {
+    EXPECT_FALSE(scale_correction({{"accelerometer", {0.935, 0.0325}}}, 0.047));
+    EXPECT_TRUE(scale_correction({{"accelerometer", {0.86, 0.0325}}}, 0.047)) << "contradicted";
+}
+
 TEST(ScaleCorrectionTest, IsMadeWhereTheSensorsKnowItClearlyBetter) {
     const auto better = scale_correction({{"known_distances", {1.002, 0.001}}}, 0.005);
     ASSERT_TRUE(better);
