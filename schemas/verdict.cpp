@@ -37,6 +37,8 @@ constexpr Row kRows[] = {
     {"alignment_not_converged",     "scale"},
     {"calibration_medium",          "scale"},
     {"scale_untested",              "scale"},
+    {"scale_uncertain",             "scale"},
+    {"stereo_unmatched",            "accuracy"},
     {"scale_contradicted",          "scale"},
     {"scale_off",                   "scale"},
     {"scale_not_corrected",         "scale"},

@@ -227,7 +227,10 @@ TrajectoryFile read_trajectory(const std::filesystem::path& file) {
                 " is not later than the one before: sort the file and remove repeated timestamps");
         result.poses.push_back(pose);
     }
-    if (result.poses.empty()) line.fail("the file has no poses");
+    if (result.poses.empty())
+        line.fail(
+            "the file has no poses: if a reconstruction made it, the findings in its metrics.json "
+            "say why");
     return result;
 }
 

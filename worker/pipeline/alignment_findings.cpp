@@ -10,6 +10,10 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr double kMinShift_px = 0.7;  // findings begin here
+// Points found in both images of a pair, below which they show too little that is the same. Where
+// they belong together it is 20 to 130.
+constexpr double kMinMatchesPerPair = 6.0;
+constexpr int kMinPairs = 3;  // of fewer pairs no search says much
 
 std::string degrees(double angle_rad) { return base::fixed(base::kDegPerRad * angle_rad, 2); }
 
@@ -67,6 +71,17 @@ Finding inconsistent_finding(const types::RigAlignment& alignment) {
             "the cameras cannot move against each other."};
 }
 
+Finding unmatched_finding(const types::RigAlignment& alignment) {
+    return {Severity::Warning,
+            "stereo_unmatched",
+            "mav0/cam1/data",
+            "left and right images show hardly anything that is the same: only " +
+                std::to_string(alignment.num_matches) + " points were found in both of " +
+                std::to_string(alignment.num_pairs) + " pairs",
+            "Check that the images of mav0/cam0 and mav0/cam1 belong together and that their "
+            "timestamps are right, that both lenses are clear, and that there is light enough."};
+}
+
 // Adds a warning if the solve whose result is the alignment failed or stopped while still moving.
 void add_solver(const types::SolverTally& tally,
                 const std::string& what,
@@ -94,6 +109,11 @@ std::vector<Finding> alignment_findings(const types::RigAlignment& alignment) {
         findings.push_back(inconsistent_finding(alignment));
         return findings;
     }
+    const bool is_unmatched =
+        alignment.num_pairs >= kMinPairs &&
+        alignment.num_matches < kMinMatchesPerPair * static_cast<double>(alignment.num_pairs);
+    if (alignment.outcome == Outcome::Unknown && is_unmatched)
+        findings.push_back(unmatched_finding(alignment));
     if (const auto& medium = alignment.change.medium; !medium.is_none())
         findings.push_back(medium_finding(medium));
     if (alignment.outcome == Outcome::Moved && alignment.shift_px() >= kMinShift_px)

@@ -87,6 +87,7 @@ std::vector<Finding> findings(const Reconstruction& made,
     };
     add(segments_finding(segments));
     add(scale_finding(expected));
+    add(scale_uncertainty_finding(expected));
     add(bounds_finding(expected, segments.size()));
     add(vertical_finding(vertical_known));
     add(shutter_finding(made.refined()));

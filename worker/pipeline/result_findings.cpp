@@ -4,10 +4,12 @@
 #include <string>
 
 #include "worker/base/text.hpp"
+#include "worker/stats/distributions.hpp"
 
 namespace divemesh::pipeline {
 namespace {
 
+constexpr double kMaxScaleSigma = 0.02;  // worse than any calibration that is used for surveys
 constexpr std::size_t kMaxSegments = 8;  // listed one by one
 // Share of the depth measured by keyframes that a mesh should have. Meshes of rendered dives have
 // 0.89 to 0.97, those of buildings and streets with far backgrounds about 0.7: the rest are rims,
@@ -82,15 +84,29 @@ std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expecte
         "IMU or a depth sensor and move up and down"};
 }
 
+std::optional<Finding> scale_uncertainty_finding(const evaluation::ExpectedAccuracy& expected) {
+    if (!expected.cameras || expected.cameras->sigma <= kMaxScaleSigma) return std::nullopt;
+    return Finding{Severity::Warning,
+                   "scale_uncertain",
+                   "",
+                   "all lengths are uncertain by " +
+                       base::fixed(100.0 * stats::kNormal975 * expected.cameras->sigma, 0) +
+                       " % (95 %): for a scene that far or that blurred, the images do not tell "
+                       "whether the cameras still are where the calibration says",
+                   "do not publish lengths, areas or volumes of this dive; calibrate the stereo "
+                   "pair again, go nearer, or lay a scale bar into the scene"};
+}
+
 std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expected,
                                       std::size_t num_segments) {
     if (expected.ate_bound_m || num_segments != 1) return std::nullopt;
     return Finding{Severity::Warning,
                    "bounds_unknown",
                    "",
-                   "the error of the path has no bound: the dive had no bundle adjustment, or its "
-                   "equations could not be solved for the covariance",
-                   "use the preset standard or accurate, and check what else was found"};
+                   "the error of the path has no bound: the dive had no bundle adjustment, the rig "
+                   "rested throughout, or the equations could not be solved for the covariance",
+                   "if another preset was used, use standard or accurate; a rig that rests has no "
+                   "path to be measured; else check what else was found"};
 }
 
 std::optional<Finding> vertical_finding(bool vertical_known) {

@@ -22,6 +22,9 @@ std::optional<Finding> segments_finding(const std::vector<types::TrackingSegment
 // Returns a warning if no sensor and no known distance tested the scale.
 std::optional<Finding> scale_finding(const evaluation::ExpectedAccuracy& expected);
 
+// Returns a warning if the stated error of all lengths is larger than a calibration's can be.
+std::optional<Finding> scale_uncertainty_finding(const evaluation::ExpectedAccuracy& expected);
+
 // Returns a warning if the error of a connected path has no bound.
 std::optional<Finding> bounds_finding(const evaluation::ExpectedAccuracy& expected,
                                       std::size_t num_segments);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "schemas/verdict.hpp"
+
 namespace divemesh::pipeline {
 namespace {
 
@@ -22,6 +24,19 @@ TEST(ScaleFindingTest, AnySensorOrKnownLengthTestsTheScale) {
     EXPECT_EQ(scale_finding(expected)->code, "scale_untested");
     expected.scales.push_back({"markers", {}});
     EXPECT_FALSE(scale_finding(expected));
+}
+
+TEST(ScaleUncertaintyFindingTest, TellsHowLittleIsKnownOfAllLengths) {
+    evaluation::ExpectedAccuracy expected;
+    EXPECT_FALSE(scale_uncertainty_finding(expected)) << "not known at all: bounds_unknown";
+    expected.cameras = evaluation::ScaleCheck{1.0, 0.012};
+    EXPECT_FALSE(scale_uncertainty_finding(expected));
+    expected.cameras->sigma = 0.45;
+    const auto finding = scale_uncertainty_finding(expected);
+    ASSERT_TRUE(finding);
+    EXPECT_EQ(finding->code, "scale_uncertain");
+    EXPECT_EQ(restriction_of(*finding), "scale");
+    EXPECT_NE(finding->message.find("by 88 % (95 %)"), std::string::npos) << finding->message;
 }
 
 TEST(BoundsFindingTest, OnlyOfAConnectedPath) {

@@ -57,6 +57,19 @@ TEST(SolverTallyTest, CountsWhatIsStillMoving) {
     EXPECT_EQ(tally.num_still_moving, 1);
 }
 
+TEST(AlignmentFindingsTest, ImagesThatDoNotBelongTogetherAreTold) {
+    types::RigAlignment alignment;  // as of left and right images of two places
+    alignment.num_pairs = 23;
+    alignment.num_matches = 53;
+    ASSERT_EQ(alignment_findings(alignment).size(), 1U);
+    EXPECT_EQ(alignment_findings(alignment)[0].code, "stereo_unmatched");
+    alignment.num_matches = 550;
+    EXPECT_TRUE(alignment_findings(alignment).empty());
+    alignment.num_matches = 3;
+    alignment.num_pairs = 1;
+    EXPECT_TRUE(alignment_findings(alignment).empty()) << "one pair says little";
+}
+
 // A failed solve is a finding, and so is one that stopped too early.
 TEST(AlignmentFindingsTest, ASolveThatFailsOrIsStillMovingIsTold) {
     types::RigAlignment alignment;
