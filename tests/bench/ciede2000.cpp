@@ -21,7 +21,7 @@ double hue_deg(double a, double b) {
 
 double cos_deg(double angle) { return std::cos(angle / kDegPerRad); }
 
-// What chroma and hue are made of: a' with a weight that keeps neutral colours neutral.
+// Chroma C' and hue h' of a colour.
 struct Chroma {
     double chroma = 0.0;
     double hue = 0.0;
@@ -47,7 +47,7 @@ double mean_hue(const Chroma& one, const Chroma& other) {
     return sum < 360.0 ? 0.5 * (sum + 360.0) : 0.5 * (sum - 360.0);
 }
 
-// c^7 / (c^7 + 25^7), under a root.
+// Returns the root of c^7 / (c^7 + 25^7).
 double saturation(double chroma) {
     const double power = std::pow(chroma, 7.0);
     return std::sqrt(power / (power + std::pow(25.0, 7.0)));

@@ -5,8 +5,11 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "tests/bench/color_truth.hpp"
 #include "tests/bench/program.hpp"
@@ -30,7 +33,7 @@ struct Options {
     std::string preset = "fast";
 };
 
-void run(const std::vector<std::string>& words, const fs::path& log) {
+void run_or_throw(const std::vector<std::string>& words, const fs::path& log) {
     if (run_program(words, log) != 0)
         throw std::runtime_error(log.filename().string() + ": " + last_lines(log));
 }
@@ -46,60 +49,81 @@ struct ColorDive {
     }
 };
 
+// Returns what of the options tells dives of one name apart.
+std::string suffix_of(const Options& options) {
+    return "-seed" + std::to_string(options.seed) + "-" + std::to_string(options.length_m) + "m";
+}
+
 fs::path rendered(const Options& options, const ColorDive& dive) {
-    const fs::path folder = options.cache / ("color-" + dive.name());
+    const fs::path folder = options.cache / ("color-" + dive.name() + suffix_of(options));
     if (fs::exists(folder)) return folder;
     const fs::path part = folder.string() + ".part";
     fs::remove_all(part);
     fs::create_directories(options.cache);
-    run({options.program.string(),
-         "simulate",
-         "--scene",
-         dive.scene,
-         "--water",
-         dive.water,
-         "--survey",
-         std::to_string(dive.survey),
-         "--seed",
-         std::to_string(options.seed),
-         "--length-m",
-         std::to_string(options.length_m),
-         "--width-px",
-         "480",
-         "--height-px",
-         "360",
-         "--rate",
-         "5",
-         "--out",
-         part.string()},
-        folder.string() + ".log");
+    run_or_throw({options.program.string(),
+                  "simulate",
+                  "--scene",
+                  dive.scene,
+                  "--water",
+                  dive.water,
+                  "--survey",
+                  std::to_string(dive.survey),
+                  "--seed",
+                  std::to_string(options.seed),
+                  "--length-m",
+                  std::to_string(options.length_m),
+                  "--width-px",
+                  "480",
+                  "--height-px",
+                  "360",
+                  "--rate",
+                  "5",
+                  "--out",
+                  part.string()},
+                 folder.string() + ".log");
     fs::rename(part, folder);
     return folder;
 }
 
-fs::path reconstructed(const Options& options,
-                       const ColorDive& dive,
-                       const std::string& color,
-                       const std::string& white_point = "") {
-    const fs::path base = options.keep.empty() ? options.cache / "color-models" : options.keep;
-    fs::create_directories(base);
-    const fs::path out = base / (dive.name() + "-" + color);
-    std::vector<std::string> words = {options.program.string(),
-                                      "reconstruct",
-                                      rendered(options, dive).string(),
-                                      "--preset",
-                                      options.preset,
-                                      "--color",
-                                      color,
-                                      "--out",
-                                      out.string()};
-    if (!white_point.empty()) {
-        words.emplace_back("--white-point");
-        words.push_back(white_point);
+// Reconstructs dives, each at most once with the same options.
+class Models {
+public:
+    // Refers to `options`.
+    explicit Models(const Options& options) : options_(options) {}
+
+    // Returns the folder of the model.
+    fs::path reconstructed(const ColorDive& dive,
+                           const std::string& color,
+                           const std::string& white_point = "") {
+        const fs::path base =
+            options_.keep.empty() ? options_.cache / "color-models" : options_.keep;
+        const fs::path out = base / (dive.name() + suffix_of(options_) + "-" + color +
+                                     (white_point.empty() ? "" : "-white-point"));
+        const auto made = white_point_of_.find(out);
+        if (made != white_point_of_.end() && made->second == white_point) return out;
+        fs::create_directories(base);
+        std::vector<std::string> words = {options_.program.string(),
+                                          "reconstruct",
+                                          rendered(options_, dive).string(),
+                                          "--preset",
+                                          options_.preset,
+                                          "--color",
+                                          color,
+                                          "--out",
+                                          out.string()};
+        if (!white_point.empty()) {
+            words.emplace_back("--white-point");
+            words.push_back(white_point);
+        }
+        run_or_throw(words, out.string() + ".log");
+        white_point_of_[out] = white_point;
+        return out;
     }
-    run(words, out.string() + ".log");
-    return out;
-}
+
+private:
+    const Options& options_;
+    std::map<fs::path, std::string> white_point_of_;  // of the models made, by their folders
+};
 
 json metrics_of(const fs::path& model) {
     return json::parse(std::ifstream(model / "metrics.json"));
@@ -134,12 +158,12 @@ json errors_of(const fs::path& model, const fs::path& dive, const AlbedoScene& s
             {"vertices_median_de2000", median_error(vertices, true)}};
 }
 
-json measure(const Options& options, const ColorDive& dive) {
+json measure(const Options& options, const ColorDive& dive, Models& models) {
     const AlbedoScene scene(dive.scene, static_cast<std::uint64_t>(options.seed), options.length_m);
     const fs::path folder = rendered(options, dive);
-    const fs::path restored = reconstructed(options, dive, "restored");
+    const fs::path restored = models.reconstructed(dive, "restored");
     const json color = metrics_of(restored).at("color");
-    return {{"raw", errors_of(reconstructed(options, dive, "raw"), folder, scene)},
+    return {{"raw", errors_of(models.reconstructed(dive, "raw"), folder, scene)},
             {"restored", errors_of(restored, folder, scene)},
             {"outcome", color.at("outcome")},
             {"light", color.value("light", "")},
@@ -151,14 +175,14 @@ json measure(const Options& options, const ColorDive& dive) {
 }
 
 // Two dives of one place in two waters, the second with the white point of the first.
-json compare_dives(const Options& options) {
+json compare_dives(const Options& options, Models& models) {
     const ColorDive first{options.scenes.front(), "clear"};
     const ColorDive second{options.scenes.front(), "green", 2};
     const AlbedoScene scene(
         first.scene, static_cast<std::uint64_t>(options.seed), options.length_m);
     const auto difference = [&](const std::string& color, const std::string& white_point) {
-        const fs::path one = reconstructed(options, first, color);
-        const fs::path other = reconstructed(options, second, color, white_point);
+        const fs::path one = models.reconstructed(first, color);
+        const fs::path other = models.reconstructed(second, color, white_point);
         const auto pairs = common_pairs(MosaicSquares::of(one),
                                         align_with_scene(one, rendered(options, first)),
                                         MosaicSquares::of(other),
@@ -169,7 +193,7 @@ json compare_dives(const Options& options) {
                     {"median_de2000_after_gains", median_error(pairs, true)}};
     };
     json result = {{"dives", {first.name(), second.name()}}, {"raw", difference("raw", "")}};
-    const json color = metrics_of(reconstructed(options, first, "restored")).at("color");
+    const json color = metrics_of(models.reconstructed(first, "restored")).at("color");
     if (!color.contains("white_point")) return result;
     std::string white_point;
     for (const json& number : color.at("white_point"))
@@ -192,17 +216,18 @@ int run(int argc, char** argv) {
     app.add_option("--seed", options.seed, "of the places");
     app.add_option("--preset", options.preset, "of the reconstructions");
     CLI11_PARSE(app, argc, argv);
+    Models models(options);
     json result = json::object();
     for (const std::string& scene : options.scenes)
         for (const std::string& water : options.waters) {
             const ColorDive dive{scene, water};
-            result["dives"][dive.name()] = measure(options, dive);
+            result["dives"][dive.name()] = measure(options, dive, models);
             std::fprintf(stderr,
                          "%s %s\n",
                          dive.name().c_str(),
                          result["dives"][dive.name()].dump().c_str());
         }
-    result["two_waters"] = compare_dives(options);
+    result["two_waters"] = compare_dives(options, models);
     std::printf("%s\n", result.dump(2).c_str());
     return 0;
 }

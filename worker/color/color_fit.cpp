@@ -26,7 +26,7 @@ std::string_view to_string(LightSource light) { return enum_to_text(kLights, lig
 std::string_view to_string(FitOutcome outcome) { return enum_to_text(kOutcomes, outcome); }
 
 Value with_model_error(const Value& coefficient_per_m) {
-    // One standard deviation of the errors over simulated dives of three places in three waters
+    // One standard deviation of the errors over simulated dives of two places in three waters
     // (tests/bench/run.sh --only color): a part by itself, and one that grows with the coefficient.
     constexpr double kOffset_per_m = 0.05;
     constexpr double kShare = 0.2;

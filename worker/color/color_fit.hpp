@@ -5,8 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "worker/color/linear_light.hpp"
-
 namespace divemesh::color {
 
 // What lights the surface: the sky, lamps that travel with the camera, or both.
@@ -15,15 +13,17 @@ enum class LightSource : std::uint8_t { Ambient, Camera, Mixed };
 // Whether the water is known, and why it is not.
 enum class FitOutcome : std::uint8_t {
     Estimated,
-    TooFewSightings,   // of one surface by several keyframes
-    TooLittleRange,    // all sightings are from about as far
+    TooFewSightings,  // of one surface by several keyframes
+    // The sightings are from about as far, or do not tell the water from the colours of the
+    // surface, though there is light enough in all channels.
+    TooLittleRange,
     NothingToRestore,  // the colours do not change with the range: air, or very clear water
     NotExplained,      // they change, but not as water changes them
     Grey,              // the images have no colours
     // At least one channel has too little light to tell its water, as red has at depth. The others
     // may be known (ChannelFit::known), but two channels do not restore a colour.
     ChannelTooDark,
-    NotConverged,  // the fit found no minimum within the bounds of what water can be
+    NotConverged,  // no minimum, or one at a bound of what water can be
 };
 
 std::string_view to_string(LightSource light);
@@ -86,6 +86,7 @@ double backscatter(const ChannelFit& channel, double range_m);
 struct ColorFit {
     FitOutcome outcome = FitOutcome::TooFewSightings;
     LightSource light = LightSource::Ambient;
+    bool is_fitted = false;              // whether the sightings allowed a fit, good or bad
     std::array<ChannelFit, 3> channels;  // r g b
     double explained_share = 0.0;        // mean over the known channels
     double vignetting = 0.0;             // share of light that is lost in the farthest corner
@@ -94,7 +95,7 @@ struct ColorFit {
     std::int64_t num_points = 0;
     std::int64_t num_sightings = 0;
     std::vector<double> log_gains;               // one per keyframe, mean about 0
-    std::vector<std::array<double, 3>> surface;  // colours J of the points, those known
+    std::vector<std::array<double, 3>> surface;  // colours J of the points
 
     bool is_known() const { return outcome == FitOutcome::Estimated; }
 };

@@ -53,9 +53,9 @@ std::array<double, 3> FitProblem::huber_factors(const FitModel& model, const Sta
     return factors;
 }
 
-// Returns the covariance of what the channels share and have, while the unknowns in the columns
-// `held` stay as they are. The errors are shared within each point: a sandwich by clusters (Liang
-// and Zeger, "Longitudinal data analysis using generalized linear models", 1986).
+// Returns the covariance of the channels' unknowns and vignetting, while the unknowns in the
+// columns `held` stay as they are. The errors are shared within each point: a sandwich by clusters
+// (Liang and Zeger, "Longitudinal data analysis using generalized linear models", 1986).
 Eigen::MatrixXd FitProblem::covariance(const FitModel& model,
                                        const FitColumns& columns,
                                        const State& state,

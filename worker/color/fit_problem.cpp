@@ -5,7 +5,6 @@
 #include <cmath>
 #include <utility>
 
-#include "worker/base/parallel.hpp"
 #include "worker/color/fit_priors.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/robust.hpp"
@@ -19,7 +18,7 @@ constexpr int kNoiseSteps = 20;  // in which the noise follows, so that later on
 // How far the minimum may be, in standard deviations of each unknown: too little to be seen.
 constexpr double kConverged = 1e-2;
 constexpr double kMaxDamping = 1e6;  // steps are then too short to matter
-constexpr double kMinNoise = 0.02;   // times that of a sighting: of images without any
+constexpr double kMinNoise = 0.02;   // times that of a sighting: of images without noise
 
 }  // namespace
 
@@ -29,19 +28,22 @@ FitProblem::FitProblem(const Sightings& sightings, int num_threads)
     for (std::size_t i = 0; i < sightings.num_points; ++i) begin_[i + 1] += begin_[i];
 }
 
-FitSolution FitProblem::solve(const FitModel& model, const WaterUnknowns& start) const {
+FitSolution FitProblem::solve(const FitModel& model,
+                              const WaterUnknowns& start,
+                              const base::ProgressShare& progress) const {
     State state;
     state.unknowns = start;
     const FitColumns columns(model, start.log_gains.size());
     start_colors(model, state);
     double damping = 1e-3;
     for (int i = 0; i < kMaxSteps; ++i) {
+        progress.at(static_cast<double>(i) / kMaxSteps);
         if (i < kNoiseSteps) estimate_noise(model, state);
         weigh(model, state);
         solve_colors(model, state);
         const StepEnd end = step(model, columns, damping, state);
         if (end == StepEnd::Lower) continue;
-        state.end = end == StepEnd::Converged ? FitEnd::Converged : FitEnd::Stalled;
+        state.has_converged = end == StepEnd::Converged;
         break;
     }
     set_covariances(model, columns, state);

@@ -3,34 +3,27 @@
 #include <Eigen/Core>
 #include <array>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "worker/base/parallel.hpp"
 #include "worker/color/fit_equations.hpp"
 #include "worker/color/sighting.hpp"
 #include "worker/color/water_unknowns.hpp"
 
 namespace divemesh::color {
 
-// The noise of a sighting before it is scaled to the data, standard deviations: of dark pixels (the
-// rounding of an 8 bit image, at the level of 5 %), and the share of the light by which texture,
+// The noise of a sighting before it is scaled to the data, standard deviations: of dark pixels (one
+// level of an 8 bit image at 5 % of white), and the share of the light by which texture,
 // caustics and errors of the pose change it.
 inline constexpr double kDarkNoise = 0.0015;
 inline constexpr double kNoiseShare = 0.08;
 // Light of which there is a logarithm, and which tells of its water: level 18 of 255.
 inline constexpr double kMinLight = 0.003;
 
-// How solving ended.
-enum class FitEnd : std::uint8_t {
-    Converged,
-    Stalled,     // no step lowers the loss, though its gradient is not 0
-    OutOfSteps,  // the loss still falls
-};
-
 // A solved problem.
 struct FitSolution {
-    FitEnd end = FitEnd::OutOfSteps;
+    bool has_converged = false;  // else no step lowers the loss, or it still falls after the last
     WaterUnknowns unknowns;
     // Of the unknowns of each channel, in their order; 0 for those that the model does not have.
     std::array<Eigen::Matrix4d, 3> covariances;
@@ -54,7 +47,10 @@ public:
     // Refers to `sightings`, which must not be empty. The result does not depend on `num_threads`.
     FitProblem(const Sightings& sightings, int num_threads);
 
-    FitSolution solve(const FitModel& model, const WaterUnknowns& start) const;
+    // Reports progress before each step; throws Error{Cancelled} if `progress` does.
+    FitSolution solve(const FitModel& model,
+                      const WaterUnknowns& start,
+                      const base::ProgressShare& progress) const;
 
     // Returns the mean of Tukey's loss for a given noise, by which models are compared.
     double loss(const FitModel& model,

@@ -18,7 +18,7 @@ constexpr std::size_t kMinPoints = 100;  // chosen: of fewer, outliers are too l
 constexpr std::size_t kMaxKnots = 400;
 // How much the ranges of a well seen point must differ at least, as a share of the median range:
 // errors of the pose and of shading are as large as the effect of the water over less.
-constexpr double kMinSpread = 0.1;
+constexpr double kMinSpreadShare = 0.1;
 
 // In how many of its standard deviations the light of lamps must differ from none in a channel at
 // least, for the lamps to be believed.
@@ -30,6 +30,16 @@ struct Candidate {
     FitSolution solution;
 };
 
+// Returns the part of the progress that one of the five solves has.
+base::ProgressShare solve_share(const base::ProgressShare& progress, int solve) {
+    constexpr double kNumSolves = 5.0;  // sky, sky with lamps from two starts, lamps, air
+    const double each = (progress.end - progress.begin) / kNumSolves;
+    return {progress.stage,
+            progress.begin + solve * each,
+            progress.begin + (solve + 1) * each,
+            progress.report};
+}
+
 WaterUnknowns start_at(double attenuation_per_m, double lamp, std::size_t num_knots) {
     WaterUnknowns start;
     for (ChannelUnknowns& channel : start.channels)
@@ -39,15 +49,14 @@ WaterUnknowns start_at(double attenuation_per_m, double lamp, std::size_t num_kn
     return start;
 }
 
-// Returns how much worse than others a candidate explains the sightings, which all compare with the
-// same noise.
+// Returns the loss of a candidate for a given noise; a fit that did not converge costs 1 % more.
 double cost_of(const FitProblem& problem,
                const Candidate& candidate,
                const std::array<double, 3>& noise) {
-    // What a fit without a minimum must be better by, to be chosen all the same.
-    constexpr double kNotConverged = 1.01;
+    // On the loss: one that converged is preferred unless it is 1 % worse.
+    constexpr double kNotConvergedFactor = 1.01;
     const double loss = problem.loss(candidate.model, candidate.solution, noise);
-    return candidate.solution.end == FitEnd::Converged ? loss : kNotConverged * loss;
+    return candidate.solution.has_converged ? loss : kNotConvergedFactor * loss;
 }
 
 bool has_lamps(const FitSolution& mixed) {
@@ -66,17 +75,20 @@ Candidate better_of(const FitProblem& problem, Candidate one, Candidate other) {
 
 // Returns the model of the light that fits: the sky with lamps if these are significant, else the
 // sky alone, which is the same without lamps; or lamps alone if that is better.
-Candidate best_model(const FitProblem& problem, std::size_t num_knots) {
+Candidate best_model(const FitProblem& problem,
+                     std::size_t num_knots,
+                     const base::ProgressShare& progress) {
+    int num_solved = 0;
     const auto solved = [&](LightSource light, const WaterUnknowns& start) {
         const FitModel model{true, light};
-        return Candidate{model, problem.solve(model, start)};
+        return Candidate{model, problem.solve(model, start, solve_share(progress, num_solved++))};
     };
     Candidate sky = solved(LightSource::Ambient, start_at(0.3, 0.0, num_knots));
     WaterUnknowns with_lamps = sky.solution.unknowns;
     for (ChannelUnknowns& channel : with_lamps.channels) channel.lamp = 0.3;
-    Candidate mixed = better_of(problem,
-                                solved(LightSource::Mixed, with_lamps),
-                                solved(LightSource::Mixed, start_at(0.3, 1.0, num_knots)));
+    Candidate mixed = solved(LightSource::Mixed, with_lamps);
+    Candidate from_lamps = solved(LightSource::Mixed, start_at(0.3, 1.0, num_knots));
+    mixed = better_of(problem, std::move(mixed), std::move(from_lamps));
     if (has_lamps(mixed.solution)) sky = std::move(mixed);
     return better_of(
         problem, std::move(sky), solved(LightSource::Camera, start_at(0.3, 0.0, num_knots)));
@@ -88,13 +100,15 @@ double robust_variance(std::vector<double> residuals) {
     return sigma * sigma;
 }
 
-// Returns what is left of the light of the best model where there is no water.
-Candidate in_air(const FitProblem& problem, const Candidate& best) {
+// Returns the fit with the best model's light, but without water.
+Candidate in_air(const FitProblem& problem,
+                 const Candidate& best,
+                 const base::ProgressShare& progress) {
     const FitModel model{.has_water = false, .light = best.model.light};
     WaterUnknowns start = best.solution.unknowns;
     for (ChannelUnknowns& channel : start.channels)
         channel = {.backscatter_per_m = kChannelBounds[1].min, .lamp = channel.lamp};
-    return {model, problem.solve(model, start)};
+    return {model, problem.solve(model, start, progress)};
 }
 
 Value value_of(const FitSolution& solution, std::size_t channel, int unknown) {
@@ -109,8 +123,10 @@ double backscatter_sigma(const FitSolution& solution, std::size_t channel, doubl
     return solution.sigma(channel, {0.0, water.veil * range_m * through, 1.0 - through, 0.0});
 }
 
-void set_channels(const FitProblem& problem, const Candidate& best, ColorFit& fit) {
-    const Candidate without = in_air(problem, best);
+void set_channels(const FitProblem& problem,
+                  const Candidate& best,
+                  const Candidate& without,
+                  ColorFit& fit) {
     for (std::size_t c = 0; c < 3; ++c) {
         ChannelFit& channel = fit.channels[c];
         channel.attenuation_per_m = value_of(best.solution, c, 0);
@@ -129,7 +145,7 @@ void set_channels(const FitProblem& problem, const Candidate& best, ColorFit& fi
 FitEvidence evidence_of(const Candidate& best, const std::array<double, 3>& lit_share) {
     const WaterUnknowns& unknowns = best.solution.unknowns;
     FitEvidence evidence{.lit_share = lit_share};
-    evidence.has_converged = best.solution.end == FitEnd::Converged &&
+    evidence.has_converged = best.solution.has_converged &&
                              unknowns.vignetting > kVignettingBounds.min &&
                              unknowns.vignetting < kVignettingBounds.max;
     for (std::size_t c = 0; c < 3; ++c) {
@@ -146,7 +162,9 @@ FitEvidence evidence_of(const Candidate& best, const std::array<double, 3>& lit_
 
 }  // namespace
 
-ColorFit fit_water(const Sightings& sightings, int num_threads) {
+ColorFit fit_water(const Sightings& sightings,
+                   int num_threads,
+                   const base::ProgressShare& progress) {
     const Sightings seen = usable_sightings(sightings);
     const std::array<double, 3> lit = lit_shares(seen);
     ColorFit fit;
@@ -163,17 +181,18 @@ ColorFit fit_water(const Sightings& sightings, int num_threads) {
     fit.outcome = FitOutcome::ChannelTooDark;
     if (*std::max_element(lit.begin(), lit.end()) <= 0.0) return fit;
     fit.outcome = FitOutcome::TooLittleRange;
-    if (ranges.spread_m < kMinSpread * ranges.median_m) return fit;
+    if (ranges.spread_m < kMinSpreadShare * ranges.median_m) return fit;
 
     const std::size_t num_knots = std::min(kMaxKnots, seen.num_keyframes);
     const FitProblem problem(seen, num_threads);
-    const Candidate best = best_model(problem, num_knots);
+    const Candidate best = best_model(problem, num_knots, progress);
     fit.light = best.model.light;
     fit.vignetting = best.solution.unknowns.vignetting;
     fit.surface = best.solution.colors;
     for (std::size_t k = 0; k < fit.log_gains.size(); ++k)
         fit.log_gains[k] = best.solution.unknowns.log_gain(k, seen.num_keyframes);
-    set_channels(problem, best, fit);
+    set_channels(problem, best, in_air(problem, best, solve_share(progress, 4)), fit);
+    fit.is_fitted = true;
     judge_fit(evidence_of(best, lit), fit);
     return fit;
 }

@@ -6,14 +6,14 @@
 namespace divemesh::color {
 namespace {
 
-// What the water must take over the ranges of a dive, at least in one channel: chosen,
-// as 5 % of light is less than two levels of 255.
+// What the water must take over the ranges of a dive, at least in one channel: chosen;
+// 5 % of light is 1.5 levels at level 65.
 constexpr double kMinEffect = 0.05;
 constexpr double kMinSigmas = 3.0;
 // How uncertain a restored colour may be by attenuation over the ranges of a dive, one sigma: 50 %.
-constexpr double kMaxDoubt = 0.5;
+constexpr double kMaxColorSigma = 0.5;
 // How uncertain backscatter may be at the far end, one sigma, as a share of the light there.
-constexpr double kMaxBackscatterDoubt = 0.2;
+constexpr double kMaxBackscatterSigma = 0.2;
 // A third of the prior's sigma, so that it is the sightings that tell.
 constexpr double kMaxSigma_per_m = 1.0;
 constexpr double kMinLitShare = 0.1;   // of the sightings: those from near, where red is left
@@ -30,9 +30,9 @@ bool is_known(const ColorFit& fit, const FitEvidence& evidence, std::size_t c) {
     const double sigma_per_m = channel.attenuation_per_m.sigma;
     return evidence.lit_share[c] >= kMinLitShare &&
            std::isfinite(channel.attenuation_per_m.value) && sigma_per_m <= kMaxSigma_per_m &&
-           sigma_per_m * (fit.far_m - fit.near_m) <= kMaxDoubt &&
+           sigma_per_m * (fit.far_m - fit.near_m) <= kMaxColorSigma &&
            channel.far_backscatter_sigma <=
-               kMaxBackscatterDoubt * far_light(fit, channel, evidence.median_color[c]);
+               kMaxBackscatterSigma * far_light(fit, channel, evidence.median_color[c]);
 }
 
 bool has_effect(const Value& attenuation, double over_m) {
@@ -64,7 +64,9 @@ FitOutcome outcome_of(const FitEvidence& evidence, const ColorFit& fit) {
     if (is_any_negative) return FitOutcome::NotExplained;
     if (!evidence.has_converged || is_any_at_bound) return FitOutcome::NotConverged;
     if (num_known == 0 && num_lit > 0) return FitOutcome::TooLittleRange;
-    if (num_known < fit.channels.size()) return FitOutcome::ChannelTooDark;
+    if (num_known < fit.channels.size())
+        return num_lit == fit.channels.size() ? FitOutcome::TooLittleRange
+                                              : FitOutcome::ChannelTooDark;
     if (!has_any_effect) return FitOutcome::NothingToRestore;
     return fit.explained_share < kMinExplained ? FitOutcome::NotExplained : FitOutcome::Estimated;
 }

@@ -1,6 +1,7 @@
 #include "worker/color/keyframe_view.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <opencv2/core.hpp>
@@ -58,11 +59,14 @@ std::optional<SeenPoint> KeyframeView::seen_at(const Eigen::Vector3f& p_world,
     const Eigen::Vector3f pixel = camera_.project(p_world);
     if (pixel.z() <= 0.0F) return std::nullopt;
     const int reach_px = window_px / 2;
-    const auto column = static_cast<int>(std::floor(pixel.x()));
-    const auto row = static_cast<int>(std::floor(pixel.y()));
-    if (column < reach_px || row < reach_px || column >= camera_.columns - reach_px ||
-        row >= camera_.rows - reach_px)
+    const auto is_inside = [reach_px](float at_px, int size_px) {  // false for NaN
+        return at_px >= static_cast<float>(reach_px) &&
+               at_px < static_cast<float>(size_px - reach_px);
+    };
+    if (!is_inside(pixel.x(), camera_.columns) || !is_inside(pixel.y(), camera_.rows))
         return std::nullopt;
+    const auto column = static_cast<int>(pixel.x());
+    const auto row = static_cast<int>(pixel.y());
     const Eigen::Vector3f to_camera = position_world_ - p_world;
     const float range_m = to_camera.norm();
     const float depth_m = 1.0F / pixel.z();

@@ -36,7 +36,7 @@ const std::array<float, 256>& linear_levels() {
 
 std::uint8_t level_of(float linear) {
     static const std::vector<std::uint8_t> kCodes = make_codes();
-    const float clamped = std::clamp(linear, 0.0F, 1.0F);
+    const float clamped = linear > 0.0F ? std::min(linear, 1.0F) : 0.0F;  // NaN too
     return kCodes[static_cast<std::size_t>(cvRound(clamped * static_cast<float>(kSteps)))];
 }
 

@@ -12,7 +12,7 @@ using Rgb = std::array<float, 3>;  // r g b, linear light; 1 is the white of an 
 // Returns the linear light of each stored level.
 const std::array<float, 256>& linear_levels();
 
-// Returns the level that stores this light, clamped to 0 to 255.
+// Returns the level that stores this light, clamped to 0 to 255; 0 for NaN.
 std::uint8_t level_of(float linear);
 
 }  // namespace divemesh::color

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <stdexcept>
 #include <utility>
 
 #include "worker/mesh/fill_colors.hpp"
@@ -87,6 +88,8 @@ RestoredVertices restore_vertices(const SeenSurface& surface,
                                   const Restorer& restorer,
                                   int num_threads,
                                   const base::ProgressShare& progress) {
+    if (surface.mesh.normals.size() != surface.mesh.vertices.size())
+        throw std::logic_error("colours of vertices are restored by their normals");
     const std::vector<ColorSum> sums =
         sums_of(surface, keyframes, read, restorer, num_threads, progress);
     types::Mesh colored;

@@ -17,7 +17,8 @@ struct RestoredVertices {
 
 // Returns the colours of all vertices as the mean of what the keyframes show of them, restored; the
 // less a sighting is amplified, the more it counts. Vertices that no keyframe shows take the
-// colours of their neighbours, or keep theirs.
+// colours of their neighbours, or keep theirs. Throws std::logic_error if surface.mesh has no
+// normals.
 RestoredVertices restore_vertices(const SeenSurface& surface,
                                   const std::vector<types::Keyframe>& keyframes,
                                   const ReadKeyframe& read,

@@ -1,5 +1,6 @@
 #include "worker/color/restored_images.hpp"
 
+#include <array>
 #include <cstddef>
 #include <map>
 #include <memory>

@@ -8,8 +8,8 @@ namespace divemesh::color {
 namespace {
 
 constexpr std::size_t kNumSteps = 512;  // of the range: linear between is within 0.1 %
-constexpr float kMinResponse =
-    0.2F;  // of a pixel in a corner, by vignetting: chosen, for fits that go astray
+// Of a pixel in a corner, by vignetting: chosen, for fits that go astray.
+constexpr float kMinResponse = 0.2F;
 
 }  // namespace
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "worker/color/color_fit.hpp"
+#include "worker/color/linear_light.hpp"
 #include "worker/color/white_point.hpp"
 
 namespace divemesh::color {

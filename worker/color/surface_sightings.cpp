@@ -5,8 +5,6 @@
 #include <array>
 #include <cmath>
 #include <opencv2/core.hpp>
-#include <optional>
-#include <utility>
 
 #include "schemas/error.hpp"
 #include "worker/color/thin_sightings.hpp"
@@ -56,6 +54,12 @@ types::KeyframeImages read_or_empty(const ReadKeyframe& read, int frame_index) {
     return {};
 }
 
+// Returns whether image and depth are of that size; there may be no depth.
+bool has_size(const types::KeyframeImages& images, const cv::Size& size) {
+    return images.left_color.size() == size &&
+           (images.depth.disparity_px.empty() || images.depth.disparity_px.size() == size);
+}
+
 }  // namespace
 
 std::size_t for_each_view(const SeenSurface& surface,
@@ -74,7 +78,7 @@ std::size_t for_each_view(const SeenSurface& surface,
             images[i] = read_or_empty(read, keyframes[begin + i].frame_index);
         });
         for (std::size_t i = 0; i < num; ++i) {
-            if (images[i].left_color.size() == size)
+            if (has_size(images[i], size))
                 visit(begin + i,
                       KeyframeView(surface, keyframes[begin + i], images[i], num_threads));
             else

@@ -15,8 +15,8 @@ namespace divemesh::color {
 using ReadKeyframe = std::function<types::KeyframeImages(int frame_index)>;
 
 // Calls visit(keyframe, view) for each keyframe, one after the other; a few are decoded ahead.
-// Those whose images cannot be read, or are not CV_8UC3 of the rig's size, are left out; returns
-// how many they are.
+// Those whose images cannot be read, or are not CV_8UC3 of the rig's size, or whose depth has
+// another size, are left out; returns how many they are.
 std::size_t for_each_view(const SeenSurface& surface,
                           const std::vector<types::Keyframe>& keyframes,
                           const ReadKeyframe& read,

@@ -7,8 +7,8 @@
 
 namespace divemesh::color {
 
-// Keeps `num` of a point's sightings, spread over its ranges: the nearest, the farthest, and steps
-// between them as even as there are. They stay in the order of their keyframes.
+// Keeps `num` of a point's sightings, but at least two, spread over its ranges: the nearest, the
+// farthest, and steps between them as even as there are. They stay in the order of their keyframes.
 void thin_sightings(std::vector<Sighting>& sightings, std::size_t num);
 
 }  // namespace divemesh::color

@@ -21,7 +21,7 @@ struct Ranges {
     double near_m = 0.0;
     double median_m = 0.0;
     double far_m = 0.0;
-    double spread_m = 0.0;  // of one point
+    double spread_m = 0.0;  // 80th percentile over the points of farthest less nearest
 };
 Ranges ranges_of(const Sightings& sightings);
 

@@ -37,17 +37,27 @@ struct Cause {
     std::string remedy;
 };
 
-Cause cause_of(const color::ColorFit& fit) {
+Cause too_few_sightings(const WaterColor& color) {
+    const std::string message =
+        "only " + std::to_string(color.fit.num_points) +
+        " of the sampled points of the surface are seen by three keyframes or more without "
+        "clipping";
+    if (color.num_lost_images == 0)
+        return {message, "swim over the place again so that the images overlap more"};
+    return {message + "; the images of " + std::to_string(color.num_lost_images) +
+                " keyframes could not be read",
+            "check the disks and reconstruct again"};
+}
+
+Cause cause_of(const WaterColor& color) {
+    const color::ColorFit& fit = color.fit;
     switch (fit.outcome) {
         case color::FitOutcome::Estimated: break;
-        case color::FitOutcome::TooFewSightings:
-            return {"only " + std::to_string(fit.num_points) +
-                        " of the sampled points of the surface are seen by three keyframes or more",
-                    "swim over the place again so that the images overlap more"};
+        case color::FitOutcome::TooFewSightings: return too_few_sightings(color);
         case color::FitOutcome::TooLittleRange:
-            return {"the same surface is always seen from about as far (the images reach from " +
-                        base::fixed(fit.near_m, 1) + " to " + base::fixed(fit.far_m, 1) +
-                        " m), so that the effect of the water cannot be told from the colours",
+            return {"the images from " + base::fixed(fit.near_m, 1) + " to " +
+                        base::fixed(fit.far_m, 1) +
+                        " m do not tell the effect of the water from the colours of the surface",
                     "on the next dive look at some of the place from near and from far"};
         case color::FitOutcome::NothingToRestore:
             return {"the colours of the surface do not change with the range from " +
@@ -55,17 +65,18 @@ Cause cause_of(const color::ColorFit& fit) {
                         " m: it was recorded in air, or in water too clear to matter",
                     "nothing needs to be done: raw colours are right here"};
         case color::FitOutcome::NotExplained:
-            return {"water explains only " + base::fixed(100.0 * fit.explained_share, 0) +
-                        " % of how the colours of the surface vary between keyframes, or would "
-                        "have to add light with the range",
-                    "record with even light: caustics, moving lamps and automatic white balance "
-                    "change colours more than this water does"};
+            return {
+                "the colours change with the range, but not as water changes them: it explains " +
+                    base::fixed(100.0 * fit.explained_share, 0) +
+                    " % of how they vary between keyframes, or would have to add light",
+                "record with even light: caustics, moving lamps and automatic white balance "
+                "change colours more than this water does"};
         case color::FitOutcome::Grey:
             return {"the images have no colours, their three channels are equal",
                     "record in colour"};
         case color::FitOutcome::ChannelTooDark:
-            return {"no light is left in " + dark_channels(fit) +
-                        ", and what no image shows cannot be restored",
+            return {"too little light is left in " + dark_channels(fit) +
+                        " to tell what the water takes of it",
                     "bring lamps, or go nearer: red light is lost within a few metres of water"};
         case color::FitOutcome::NotConverged:
             return {"no water explains how the colours change from " + base::fixed(fit.near_m, 1) +
@@ -86,8 +97,7 @@ json to_metrics(const WaterColor& color) {
                    {"num_lost_images", color.num_lost_images},
                    {"near_m", fit.near_m},
                    {"far_m", fit.far_m}};
-    // Nothing was fitted where no point or no range allowed it.
-    if (fit.channels[0].noise > 0.0) {
+    if (fit.is_fitted) {
         result["light"] = to_string(fit.light);
         result["explained_share"] = fit.explained_share;
         result["vignetting"] = fit.vignetting;
@@ -103,7 +113,7 @@ json to_metrics(const WaterColor& color) {
 
 std::optional<Finding> color_finding(const WaterColor& color) {
     if (color.fit.is_known()) return std::nullopt;
-    const Cause cause = cause_of(color.fit);
+    const Cause cause = cause_of(color);
     return Finding{Severity::Warning,
                    "color_not_restored",
                    "",

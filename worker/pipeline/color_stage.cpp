@@ -11,7 +11,8 @@ namespace divemesh::pipeline {
 namespace {
 
 constexpr const char* kStage = "color";
-constexpr double kSeen = 0.5;  // share of the work that is done
+constexpr double kSeen = 0.4;  // share of the work that is done
+constexpr double kFitted = 0.6;
 
 }  // namespace
 
@@ -32,8 +33,9 @@ void run_color(Reconstruction& made, const base::ProgressCallback& progress) {
     const std::vector<types::Keyframe>& keyframes = made.optimised.keyframes;
     const color::Sightings sightings = color::surface_sightings(
         surface, keyframes, read, num_threads, {kStage, 0.0, kSeen, progress});
-    WaterColor water{.fit = color::fit_water(sightings, num_threads),
-                     .num_lost_images = static_cast<std::int64_t>(sightings.num_lost_images)};
+    WaterColor water{
+        .fit = color::fit_water(sightings, num_threads, {kStage, kSeen, kFitted, progress}),
+        .num_lost_images = static_cast<std::int64_t>(sightings.num_lost_images)};
     if (water.fit.is_known()) {
         const auto relative = white_point_of(made.options());
         water.white = relative ? color::white_point_like(*relative, water.fit.surface)
@@ -44,7 +46,7 @@ void run_color(Reconstruction& made, const base::ProgressCallback& progress) {
                                     read,
                                     color::Restorer(water.fit, water.white),
                                     num_threads,
-                                    {kStage, kSeen, 1.0, progress});
+                                    {kStage, kFitted, 1.0, progress});
         water.vertices = std::move(restored.colors);
         water.limited_share = restored.limited_share;
     }

@@ -198,6 +198,7 @@ void fields(auto& file, Is<CloudMetrics> auto& metrics) { file.plain(metrics); }
 void fields(auto& file, Is<WaterColor> auto& color) {
     file.plain(color.fit.outcome);
     file.plain(color.fit.light);
+    file.plain(color.fit.is_fitted);
     file.plain(color.fit.channels);
     file.plain(color.fit.explained_share);
     file.plain(color.fit.vignetting);

@@ -17,7 +17,7 @@ struct WaterColor {
     // These three are set if the water is known; the mesh takes the colours of the vertices.
     color::WhitePoint white = {};
     std::vector<types::Color> vertices = {};  // of the mesh, restored
-    double limited_share = 0.0;  // of what keyframes show: less restored, for its noise
+    double limited_share = 0.0;  // of the sightings of vertices: RestoredColor::is_limited
 };
 
 // Returns whether colours without the water are asked for.

@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
 
+#include "schemas/error.hpp"
 #include "tests/worker/color/water_world.hpp"
 
 namespace divemesh::color {
@@ -107,6 +110,19 @@ TEST(FitWater, NeedsSurfaceSeenByThreeKeyframes) {
     EXPECT_EQ(fit_water({}, 1).outcome, FitOutcome::TooFewSightings);
 }
 
+TEST(FitWater, ReportsItsStepsAndCanBeCancelled) {
+    const Sightings sightings = draw_sightings({.channels = green_water(), .num_points = 200}, 8);
+    std::vector<double> reported;
+    const auto note = [&](const Progress& progress) { reported.push_back(progress.fraction); };
+    fit_water(sightings, 2, {"color", 0.4, 0.6, note});
+    ASSERT_GT(reported.size(), 10U);
+    EXPECT_TRUE(std::is_sorted(reported.begin(), reported.end()));
+    EXPECT_EQ(reported.front(), 0.4);
+    EXPECT_LT(reported.back(), 0.6);
+    const auto cancel = [](const Progress&) { throw Error(ErrorCode::Cancelled, "cancelled"); };
+    EXPECT_THROW(fit_water(sightings, 2, {"color", 0.4, 0.6, cancel}), Error);
+}
+
 // Colours that scatter far more than the water changes them are no ground to change them.
 TEST(FitWater, LeavesColoursThatWaterDoesNotExplain) {
     const WaterWorld world{.channels = {channel_of(0.06, 0.05, 0.02),
@@ -114,7 +130,7 @@ TEST(FitWater, LeavesColoursThatWaterDoesNotExplain) {
                                         channel_of(0.05, 0.04, 0.02)},
                            .noise = 0.5};
     const ColorFit fit = fit_water(draw_sightings(world, 9), 2);
-    EXPECT_FALSE(fit.is_known()) << fit.explained_share;
+    EXPECT_EQ(fit.outcome, FitOutcome::NotExplained) << to_string(fit.outcome);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "tests/worker/color/water_world.hpp"
@@ -67,6 +68,27 @@ TEST(HostileSightings, ThatAreNotFiniteAreNotUsed) {
     for (std::size_t i = 0; i < sightings.all.size(); i += 7)
         sightings.all[i].rgb[i % 3] = std::numeric_limits<float>::quiet_NaN();
     EXPECT_EQ(fit_water(sightings, 2).outcome, FitOutcome::Estimated);
+}
+
+TEST(HostileSightings, OfSurfaceAtNoRangeOrFromBehindAreNotUsed) {
+    constexpr float kNaN = std::numeric_limits<float>::quiet_NaN();
+    const Sightings clean = draw_sightings(kSmallDive, 6);
+    const auto spoil = [](Sighting& sighting, std::size_t kind) {
+        if (kind == 0) sighting.range_m = kNaN;
+        if (kind == 1) sighting.range_m = std::numeric_limits<float>::infinity();
+        if (kind == 2) sighting.range_m = 0.0F;
+        if (kind == 3) sighting.eccentricity = kNaN;
+        if (kind == 4) sighting.cosine = 0.0F;
+        if (kind == 5) sighting.cosine = -0.5F;
+        if (kind == 6) sighting.cosine = kNaN;
+    };
+    Sightings sightings = clean;
+    std::int64_t num_spoilt = 0;
+    for (std::size_t i = 0; i < sightings.all.size(); i += 9, ++num_spoilt)
+        spoil(sightings.all[i], static_cast<std::size_t>(num_spoilt % 7));
+    const ColorFit fit = fit_water(sightings, 2);
+    EXPECT_EQ(fit.outcome, FitOutcome::Estimated) << to_string(fit.outcome);
+    EXPECT_EQ(fit.num_sightings, static_cast<std::int64_t>(clean.all.size()) - num_spoilt);
 }
 
 TEST(HostileSightings, OfAGreyDiveHaveNoColour) {

@@ -31,16 +31,22 @@ FitOutcome judged(ColorFit fit, const FitEvidence& evidence = kGood) {
 
 TEST(JudgeFit, AcceptsWhatIsWellKnown) { EXPECT_EQ(judged(good_fit()), FitOutcome::Estimated); }
 
-TEST(JudgeFit, TellsOneVagueChannelFromAVagueDive) {
+TEST(JudgeFit, TellsADarkChannelFromAVagueOne) {
+    FitEvidence dark = kGood;
+    dark.lit_share[0] = 0.05;
     ColorFit fit = good_fit();
-    fit.channels[0].attenuation_per_m.sigma = 0.3;
-    judge_fit(kGood, fit);
+    judge_fit(dark, fit);
     EXPECT_EQ(fit.outcome, FitOutcome::ChannelTooDark);
     EXPECT_FALSE(fit.channels[0].known);
     EXPECT_TRUE(fit.channels[1].known);
     EXPECT_NEAR(fit.explained_share, 0.9, 1e-9);
+    fit = good_fit();
+    fit.channels[0].attenuation_per_m.sigma = 0.3;
+    EXPECT_EQ(judged(fit), FitOutcome::TooLittleRange);
+    EXPECT_EQ(judged(fit, dark), FitOutcome::ChannelTooDark);
     for (ChannelFit& channel : fit.channels) channel.attenuation_per_m.sigma = 0.3;
     EXPECT_EQ(judged(fit), FitOutcome::TooLittleRange);
+    EXPECT_EQ(judged(fit, dark), FitOutcome::TooLittleRange);
 }
 
 TEST(JudgeFit, DoesNotKnowAChannelWithoutASigma) {
@@ -48,17 +54,17 @@ TEST(JudgeFit, DoesNotKnowAChannelWithoutASigma) {
          {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
         ColorFit fit = good_fit();
         fit.channels[2].attenuation_per_m.sigma = sigma;
-        EXPECT_EQ(judged(fit), FitOutcome::ChannelTooDark);
+        EXPECT_EQ(judged(fit), FitOutcome::TooLittleRange);
         fit = good_fit();
         fit.channels[2].far_backscatter_sigma = sigma;
-        EXPECT_EQ(judged(fit), FitOutcome::ChannelTooDark);
+        EXPECT_EQ(judged(fit), FitOutcome::TooLittleRange);
     }
 }
 
 TEST(JudgeFit, DoesNotKnowAChannelWithVagueBackscatter) {
     ColorFit fit = good_fit();
     fit.channels[1].far_backscatter_sigma = 0.1;
-    EXPECT_EQ(judged(fit), FitOutcome::ChannelTooDark);
+    EXPECT_EQ(judged(fit), FitOutcome::TooLittleRange);
 }
 
 TEST(JudgeFit, RefusesWaterThatAddsToTheLight) {

@@ -122,11 +122,14 @@ TEST(SurfaceSightings, LeaveOutWhatIsHiddenOrOtherwiseDeep) {
         return images;
     };
     const Sightings sightings = sand.sightings(with_fish);
+    ASSERT_GT(sightings.all.size(), 1000U);
     EXPECT_LT(sightings.all.size(), num_visible);
     for (const Sighting& sighting : sightings.all) EXPECT_NE(sighting.keyframe, 2U);
     // A roof above all cameras but the lowest hides the sand from them.
     texture::add_square(sand.mesh, {0.0F, 0.0F, 1.15F}, 6.0F, 20);
-    for (const Sighting& sighting : sand.sightings(sand.reader()).all)
+    const Sightings below_roof = sand.sightings(sand.reader());
+    ASSERT_GT(below_roof.all.size(), 100U);
+    for (const Sighting& sighting : below_roof.all)
         EXPECT_TRUE(sighting.keyframe == 0 || sighting.range_m < 2.5F);
 }
 
@@ -138,7 +141,9 @@ TEST(SurfaceSightings, LeaveOutImagesThatCannotBeReadAndSaturatedOnes) {
         if (frame_index == 30) images.left_color.setTo(cv::Scalar::all(255));
         return images;
     };
-    for (const Sighting& sighting : sand.sightings(failing).all) {
+    const Sightings sightings = sand.sightings(failing);
+    ASSERT_GT(sightings.all.size(), 1000U);
+    for (const Sighting& sighting : sightings.all) {
         EXPECT_NE(sighting.keyframe, 1U);
         EXPECT_NE(sighting.keyframe, 3U);
     }
@@ -155,10 +160,11 @@ TEST(SurfaceSightings, CountTheImagesThatCannotBeRead) {
         if (frame_index == 20) throw Error(ErrorCode::NotFound, "gone");
         types::KeyframeImages images = sand.read(frame_index);
         if (frame_index == 40) images.left_color = images.left_color.colRange(0, 50).clone();
+        if (frame_index == 50) images.depth.disparity_px = cv::Mat::zeros(50, 50, CV_32F);
         return images;
     };
     const Sightings sightings = sand.sightings(broken);
-    EXPECT_EQ(sightings.num_lost_images, 3U);
+    EXPECT_EQ(sightings.num_lost_images, 4U);
     EXPECT_GT(sightings.all.size(), 1000U);
     const auto lost = [](int) -> types::KeyframeImages {
         throw cv::Exception(cv::Error::StsError, "broken", "decode", "", 1);
@@ -185,6 +191,8 @@ TEST(SurfaceSightings, KeepAFewOfEachPointFromAllItsRanges) {
     for (std::size_t i = 0; i < sand.keyframes.size(); ++i)
         sand.keyframes[i].frame_index = static_cast<int>(10 * i);
     const Sightings one = sand.sightings(sand.reader(), 1);
+    ASSERT_GT(one.num_points, 1000U);
+    ASSERT_GT(one.all.size(), 1000U);
     std::vector<std::size_t> num(one.num_points, 0);
     std::size_t num_late = 0;
     for (const Sighting& sighting : one.all) {
@@ -235,6 +243,15 @@ TEST(RestoreVertices, GivesVerticesTheColourOfTheSand) {
     for (const types::Color& color : restored.colors)  // also those beside all images
         for (std::size_t c = 0; c < 3; ++c)
             EXPECT_NEAR(color[c], level_of(static_cast<float>(kSand[c])), 3);
+}
+
+TEST(RestoreVertices, NeedNormals) {
+    SandUnderWater sand;
+    sand.mesh.normals.clear();
+    const SeenSurface surface(sand.mesh, kRig);
+    EXPECT_THROW(
+        restore_vertices(surface, sand.keyframes, sand.reader(), sand.restorer(), 2, {"color"}),
+        std::logic_error);
 }
 
 }  // namespace

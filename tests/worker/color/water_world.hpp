@@ -1,9 +1,11 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
 #include <random>
+#include <vector>
 
 #include "worker/color/color_fit.hpp"
 #include "worker/color/sighting.hpp"
@@ -27,7 +29,7 @@ struct WaterWorld {
     std::size_t num_sightings = 10;  // of a point
 };
 
-// D of ChannelFit.
+// Returns D of ChannelFit.
 inline double direct_of(const ChannelFit& channel, LightSource light, double r, double cosine) {
     const DirectShare share = direct_share(channel, light, r);
     return share.sky + cosine * share.lamps;

@@ -114,19 +114,29 @@ TEST(ColorFinding, TellsWhatWasMeasuredOfWaterThatIsNotKnown) {
          "from 1.9 to 2.1 m"},
         {{.outcome = FitOutcome::NothingToRestore, .near_m = 0.84, .far_m = 4.53},
          "from 0.8 to 4.5 m"},
-        {{.outcome = FitOutcome::NotExplained, .explained_share = 0.07}, "explains only 7 %"},
+        {{.outcome = FitOutcome::NotExplained, .explained_share = 0.07}, "explains 7 % of"},
         {{.outcome = FitOutcome::ChannelTooDark,
           .channels = {color::ChannelFit{}, {.known = true}, {.known = true}}},
-         "no light is left in red,"},
+         "too little light is left in red to tell"},
         {{.outcome = FitOutcome::NotConverged, .near_m = 0.84, .far_m = 4.53},
          "from 0.8 to 4.5 m"}};
-    for (const auto& [fit, figures] : told) {
+    for (const auto& [fit, text] : told) {
         const Finding finding = finding_on(fit);
         EXPECT_EQ(finding.code, "color_not_restored");
         EXPECT_EQ(finding.severity, Severity::Warning);
         EXPECT_TRUE(finding.message.starts_with("the colours stay as recorded")) << finding.message;
-        EXPECT_NE(finding.message.find(figures), std::string::npos) << finding.message;
+        EXPECT_NE(finding.message.find(text), std::string::npos) << finding.message;
     }
+}
+
+TEST(ColorFinding, NamesImagesThatCouldNotBeRead) {
+    const color::ColorFit fit{.outcome = color::FitOutcome::TooFewSightings, .num_points = 42};
+    const Finding finding = color_finding({.fit = fit, .num_lost_images = 7}).value_or(Finding{});
+    EXPECT_NE(finding.message.find("; the images of 7 keyframes could not be read"),
+              std::string::npos)
+        << finding.message;
+    EXPECT_EQ(finding.remedy, "check the disks and reconstruct again");
+    EXPECT_EQ(finding_on(fit).message.find("could not be read"), std::string::npos);
 }
 
 TEST(ColorFinding, HasARemedyOfItsOwnForEveryOutcomeAndRestrictsNothing) {

@@ -19,10 +19,14 @@ inline WaterColor known_water(color::LightSource light = color::LightSource::Mix
     WaterColor water;
     water.fit.outcome = color::FitOutcome::Estimated;
     water.fit.light = light;
+    water.fit.is_fitted = true;
     water.fit.channels = {
-        color::ChannelFit{{0.55, 0.011}, {0.41, 0.021}, {0.03, 0.001}, {0.8, 0.12}, 0.9, 0.0011},
-        color::ChannelFit{{0.27, 0.012}, {0.26, 0.022}, {0.19, 0.002}, {0.6, 0.13}, 0.7, 0.0012},
-        color::ChannelFit{{0.32, 0.013}, {0.29, 0.023}, {0.18, 0.003}, {0.7, 0.14}, 0.5, 0.0013}};
+        color::ChannelFit{
+            {0.55, 0.011}, {0.41, 0.021}, {0.03, 0.001}, {0.8, 0.12}, 0.9, 0.0011, 0.0041},
+        color::ChannelFit{
+            {0.27, 0.012}, {0.26, 0.022}, {0.19, 0.002}, {0.6, 0.13}, 0.7, 0.0012, 0.0042},
+        color::ChannelFit{
+            {0.32, 0.013}, {0.29, 0.023}, {0.18, 0.003}, {0.7, 0.14}, 0.5, 0.0013, 0.0043}};
     for (color::ChannelFit& channel : water.fit.channels) channel.known = true;
     water.num_lost_images = 3;
     water.fit.explained_share = 0.71;

@@ -167,6 +167,7 @@ TEST(StageFiles, WaterAndRestoredColoursSurviveTheDisk) {
     ASSERT_TRUE(read);
     EXPECT_EQ(read->fit.outcome, color::FitOutcome::Estimated);
     EXPECT_EQ(read->fit.light, color::LightSource::Mixed);
+    EXPECT_TRUE(read->fit.is_fitted);
     EXPECT_EQ(read->fit.channels, written.fit.channels);
     EXPECT_EQ(read->fit.explained_share, written.fit.explained_share);
     EXPECT_EQ(read->fit.vignetting, written.fit.vignetting);
@@ -176,6 +177,7 @@ TEST(StageFiles, WaterAndRestoredColoursSurviveTheDisk) {
     EXPECT_EQ(read->fit.num_sightings, written.fit.num_sightings);
     EXPECT_EQ(read->fit.log_gains, written.fit.log_gains);
     EXPECT_TRUE(read->fit.surface.empty()) << "only the white point is made of it";
+    EXPECT_EQ(read->num_lost_images, written.num_lost_images);
     EXPECT_EQ(read->white.white, written.white.white);
     EXPECT_EQ(read->white.relative, written.white.relative);
     EXPECT_EQ(read->vertices, written.vertices);
@@ -193,6 +195,7 @@ TEST(StageFiles, WaterThatIsNotKnownSurvivesTheDisk) {
     ASSERT_TRUE(read);
     EXPECT_EQ(read->fit.outcome, color::FitOutcome::NotExplained);
     EXPECT_EQ(read->fit.light, color::LightSource::Camera);
+    EXPECT_FALSE(read->fit.is_fitted);
     EXPECT_TRUE(read->vertices.empty());
 }
 
