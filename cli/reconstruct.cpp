@@ -1,6 +1,7 @@
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <system_error>
 
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
@@ -72,6 +73,18 @@ nlohmann::json run_with_bar(const pipeline::ReconstructionRequest& request) {
     });
 }
 
+// Makes the output folder, unless there is no dive.
+void make_output_folder(const fs::path& dive, const fs::path& out) {
+    if (!fs::exists(dive))
+        throw Error(ErrorCode::NotFound, "cannot open " + dive.string() + ": check the path");
+    std::error_code error;
+    fs::create_directories(out, error);
+    if (error)
+        throw Error(ErrorCode::InvalidArgument,
+                    "cannot make the folder " + out.string() + ": " + error.message() +
+                        ": give another --out");
+}
+
 int reconstruct(const ReconstructOptions& options, const Context& context) {
     nlohmann::json overrides = options.overrides;
     overrides.update(overrides_of(options.preset.set));
@@ -81,7 +94,7 @@ int reconstruct(const ReconstructOptions& options, const Context& context) {
     if (options.dive.empty() || options.out.empty())
         throw Error(ErrorCode::InvalidArgument,
                     "no dive or no output folder: give DIVE and --out DIR");
-    fs::create_directories(options.out);
+    make_output_folder(options.dive, options.out);
     const ScratchFolder scratch(options.out);
     pipeline::ReconstructionRequest request;
     request.dive = options.dive;

@@ -56,6 +56,18 @@ TEST_F(CommandLineTest, EndsWithOneAndSaysWhyWhenTheWorkFails) {
     EXPECT_NE(outcome.err.find("nowhere"), std::string::npos) << outcome.err;
 }
 
+TEST_F(CommandLineTest, MakesNoFolderForADiveThatIsNotThere) {
+    const Outcome outcome = run({"reconstruct", "nowhere", "--out", "model"});
+    EXPECT_EQ(outcome.exit_code, 1);
+    EXPECT_NE(outcome.err.find("cannot open nowhere"), std::string::npos) << outcome.err;
+    EXPECT_FALSE(fs::exists(folder / "model"));
+
+    std::ofstream(folder / "file") << "no folder";
+    const Outcome blocked = run({"reconstruct", folder.path().string(), "--out", "file/model"});
+    EXPECT_EQ(blocked.exit_code, 2);
+    EXPECT_NE(blocked.err.find("give another --out"), std::string::npos) << blocked.err;
+}
+
 TEST_F(CommandLineTest, TakesOptionsFromVariablesAndAConfigFile) {
     const auto preset_of = [](const Outcome& outcome) {
         return nlohmann::json::parse(outcome.out).at("estimator").get<std::string>();
