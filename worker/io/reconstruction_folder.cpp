@@ -168,6 +168,14 @@ std::vector<Finding> ReconstructionFolder::findings() const {
     });
 }
 
+bool ReconstructionFolder::has_poses() const {
+    std::ifstream stream(folder_ / "trajectory.tum");
+    if (!stream) return true;  // reading it says what is wrong
+    for (std::string line; std::getline(stream, line);)
+        if (!line.empty() && line.front() != '#') return true;
+    return false;
+}
+
 bool ReconstructionFolder::has_surface() const {
     return std::filesystem::exists(folder_ / "mesh.ply");
 }

@@ -48,6 +48,7 @@ public:
     std::optional<Verdict> verdict() const;
     std::vector<std::string> restrictions() const;  // what the findings restrict
     std::vector<Finding> findings() const;          // on the dive and on the result
+    bool has_poses() const;                         // false if nothing was tracked
     bool has_surface() const;                       // false with --set surface=false
     types::Trajectory trajectory() const;           // T_world_imu, final
     types::Trajectory causal_trajectory() const;

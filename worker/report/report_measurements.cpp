@@ -38,12 +38,14 @@ public:
               ReportMeasurements& result)
         : inputs_(inputs), request_(request), result_(result) {
         result_.document = inputs.reconstruction.metrics();
-        result_.path = evaluation::within_largest(inputs.reconstruction.trajectory(),
-                                                  inputs.reconstruction.segments());
+        if (inputs.reconstruction.has_poses())
+            result_.path = evaluation::within_largest(inputs.reconstruction.trajectory(),
+                                                      inputs.reconstruction.segments());
         result_.findings = inputs.findings;
     }
 
     void measure(const base::ProgressCallback& progress) {
+        if (result_.path.empty()) return;  // nothing was tracked, as the findings say
         if (inputs_.truth) compare_trajectories();
         progress({.stage = "evaluate", .fraction = 0.3});
         if (inputs_.reference) compare_surfaces(progress);

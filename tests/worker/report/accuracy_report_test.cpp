@@ -331,6 +331,27 @@ TEST_F(AccuracyReportTest, NoRequirementOnAResultThatIsNotUsableIsMet) {
     EXPECT_NE(read("junit.xml").find("failures=\"2\""), std::string::npos);
 }
 
+TEST_F(AccuracyReportTest, OfADiveOfWhichNothingWasTrackedNoRequirementIsMet) {
+    give_truth();
+    give_verdict("not_usable",
+                 {"all"},
+                 {{{"severity", "error"},
+                   {"code", "nothing_reconstructed"},
+                   {"where", ""},
+                   {"message", "there is no model"},
+                   {"remedy", "swim slower"}}});
+    std::ofstream(folder_ / "result/trajectory.tum") << "# timestamp tx ty tz qx qy qz qw\n";
+    request_.requirements = {"ate_rmse_m<=1"};
+    const json report = make();
+    EXPECT_TRUE(is_valid(report));
+    ASSERT_EQ(report["requirements"].size(), 1U);
+    EXPECT_EQ(report["requirements"][0]["met"], false);
+    EXPECT_EQ(report["passed"], false);
+    EXPECT_NE(read("report.html").find("<b>Not usable</b>"), std::string::npos);
+    EXPECT_EQ(read("report.html").find("nan"), std::string::npos);
+    EXPECT_NE(read("junit.xml").find("failures=\"1\""), std::string::npos);
+}
+
 TEST_F(AccuracyReportTest, WhatRestrictsTheResultIsInEveryFormat) {
     give_verdict("usable_with_restrictions",
                  {"path"},
