@@ -48,8 +48,8 @@ struct ChannelFit {
     Value backscatter_per_m;
     Value veil;  // linear light of water without end; 1 is the white of the images
     Value lamp;  // light of the lamps on surface at 1 m, relative to that of the sky
-    // Of the variance of the logarithm of one surface's colours that remains with the same light in
-    // air, the share that the water explains. Both are after the gains of the keyframes and the
+    // The share that the water explains of the variance that the logarithm of one surface's colours
+    // has with the same light in air. Both are after the gains of the keyframes and the
     // vignetting.
     double explained_share = 0.0;
     double noise = 0.0;  // of dark pixels, linear light, standard deviation
@@ -68,7 +68,7 @@ Value with_model_error(const Value& coefficient_per_m);
 // How far lamps are from the axis of the camera: on arms of half a metre.
 inline constexpr double kLampOffset_m = 0.5;
 
-// What of the light from a surface arrives, by the way of the light that is on it.
+// The shares of the light from a surface that arrive, by the way of the light that is on it.
 struct DirectShare {
     double sky = 0.0;    // t
     double lamps = 0.0;  // L for a cosine of 1

@@ -6,7 +6,7 @@
 #include "worker/color/fit_problem.hpp"
 #include "worker/stats/robust.hpp"
 
-// How uncertain the unknowns of a solved problem are.
+// The covariance of the unknowns of a solved problem.
 namespace divemesh::color {
 namespace {
 

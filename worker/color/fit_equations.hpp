@@ -12,7 +12,7 @@ namespace divemesh::color {
 // The columns of the unknowns in the equations; kNone for what the model does not have.
 struct FitColumns {
     static constexpr int kNone = -1;
-    // Those that one sighting has besides that of its gain: of its channel, and vignetting.
+    // Number of columns that one sighting has besides that of its gain: its channel, vignetting.
     static constexpr int kShared = ChannelUnknowns::kSize + 1;
 
     std::array<std::array<int, kShared>, 3> shared = {};  // of each channel

@@ -4,7 +4,7 @@
 
 namespace divemesh::color {
 
-// What is known of the unknowns before any sighting: normal distributions of single unknowns and of
+// Adds what is known before any sighting: normal distributions of single unknowns and of
 // the differences of two. Few unknowns are so badly seen that this matters: gain against the
 // brightness of all, veil against its coefficient in short ranges, and a channel without light.
 // Refers to what it is made of.

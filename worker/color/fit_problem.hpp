@@ -25,7 +25,7 @@ inline constexpr double kMinLight = 0.003;
 struct FitSolution {
     bool has_converged = false;  // else no step lowers the loss, or it still falls after the last
     WaterUnknowns unknowns;
-    // Of the unknowns of each channel, in their order; 0 for those that the model does not have.
+    // Covariances of each channel's unknowns, in order; 0 for those that the model does not have.
     std::array<Eigen::Matrix4d, 3> covariances;
     std::vector<std::array<double, 3>> colors;  // of the points
     std::array<double, 3> noise = {};           // times kDarkNoise and kNoiseShare

@@ -9,7 +9,7 @@
 namespace divemesh::color {
 namespace {
 
-// Of measured depth and surface, as a share: more than both errors together; a fish is farther off.
+// The difference of measured depth and surface, as a share: a fish is farther off, errors are less.
 constexpr float kMaxContradiction = 0.08F;
 constexpr std::uint8_t kSaturated = 250;  // levels from which cameras clip, less what JPEG changes
 

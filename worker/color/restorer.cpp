@@ -8,7 +8,7 @@ namespace divemesh::color {
 namespace {
 
 constexpr std::size_t kNumSteps = 512;  // of the range: linear between is within 0.1 %
-// Of a pixel in a corner, by vignetting: chosen, for fits that go astray.
+// The least response of a corner, by vignetting: chosen, for fits that go astray.
 constexpr float kMinResponse = 0.2F;
 
 }  // namespace

@@ -29,7 +29,7 @@ public:
     // Throws std::logic_error if the water is not known.
     Restorer(const ColorFit& fit, const WhitePoint& white);
 
-    // What is restored: linear light as keyframe `keyframe` shows it of a surface, with range,
+    // Linear light to be restored, as keyframe `keyframe` shows it of a surface, with range,
     // eccentricity and cosine as in Sighting.
     struct Seen {
         Rgb rgb = {};

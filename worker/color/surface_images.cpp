@@ -12,7 +12,7 @@ namespace divemesh::color {
 namespace {
 
 constexpr int kShrink = 2;
-// Of the mean of the cosine, in pixels of the small image: normals of a mesh are noisy from vertex
+// The reach of the mean of the cosine, in pixels of the small image: normals are noisy from vertex
 // to vertex, which are a few pixels apart.
 constexpr int kReach_px = 4;
 constexpr int kTap_px = 2;

@@ -15,7 +15,7 @@ public:
 
     struct Pixel {
         float range_m = 0.0F;  // along the ray; 0 if the keyframe sees no surface
-        // Of the angle between the normal and the ray; smooth within one surface, so that shading
+        // Cosine of the angle between normal and ray; smooth within one surface, so that shading
         // by it has no facets.
         float cosine = 1.0F;
     };

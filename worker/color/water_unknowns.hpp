@@ -9,7 +9,7 @@
 
 namespace divemesh::color {
 
-// What is estimated of a channel, in the order of its columns.
+// The unknowns of a channel, in the order of its columns.
 struct ChannelUnknowns {
     double attenuation_per_m = 0.0;
     double backscatter_per_m = 0.0;
@@ -26,7 +26,7 @@ struct ChannelUnknowns {
     }
 };
 
-// What is estimated besides the colour of each point.
+// The unknowns besides the colour of each point.
 struct WaterUnknowns {
     std::array<ChannelUnknowns, 3> channels;
     double vignetting = 0.0;
@@ -46,14 +46,14 @@ struct Bounds {
     double min = 0.0;
     double max = 0.0;
 };
-// Of ChannelUnknowns, in their order; chosen wide. Attenuation may be below 0, so that noise about
+// Bounds of ChannelUnknowns, in order; chosen wide. Attenuation may be below 0, so that noise about
 // 0 has no bias; the others may not.
 inline constexpr std::array<Bounds, ChannelUnknowns::kSize> kChannelBounds = {
     {{-0.3, 6.0}, {0.005, 8.0}, {0.0, 2.0}, {0.0, 50.0}}};
 // Chosen wide; below 0 for cameras that correct too much of it.
 inline constexpr Bounds kVignettingBounds = {-0.3, 0.9};
 
-// What is fitted. Without water the light is the same, but loses nothing on its way and has no
+// A model. Without water the light is the same, but loses nothing on its way and has no
 // backscatter: the colours change with it, gains and vignetting alone.
 struct FitModel {
     bool has_water = true;

@@ -331,7 +331,7 @@ TEST_F(ReconstructDiveTest, ADiveInAirKeepsItsColoursAndSaysSo) {
         EXPECT_EQ(content(folder_ / "asked" / name), content(folder_ / "raw" / name)) << name;
 }
 
-// What is left of the level of a pixel whose light is halved.
+// The level that is left of a pixel whose light is halved.
 const double kHalfLight = std::pow(0.5, 1.0 / 2.2);
 
 std::vector<types::Color> with_half_the_light(std::vector<types::Color> colors) {
