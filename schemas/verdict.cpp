@@ -84,6 +84,7 @@ constexpr Row kRows[] = {
     {"ahrs_left_out_for_a_time",    ""},
     {"pressure_left_out",           ""},
     {"imu_clock_offset",            ""},
+    {"imu_lever_arm",               ""},
     {"frames_skipped",              ""},
     {"frames_unmatched",            ""},
     {"image_16_bit",                ""},

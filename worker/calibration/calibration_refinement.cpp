@@ -167,8 +167,9 @@ types::Rig refined_rig(const types::Rig& rig, const types::RefinedCalibration& c
         refined.cam0 = camera::changed_camera(rig.cam0, calibration.lenses[0]);
         refined.cam1 = camera::changed_camera(rig.cam1, calibration.lenses[1]);
     }
-    const Eigen::Isometry3d T_imu_body(
-        calibration.applied_alignment().q_body_imu.conjugate().normalized());
+    const Eigen::Isometry3d T_imu_body =
+        Eigen::Translation3d(-calibration.applied_lever_arm_m()) *
+        Eigen::Isometry3d(calibration.applied_alignment().q_body_imu.conjugate().normalized());
     refined.T_imu_cam0 = T_imu_body * rig.T_imu_cam0;
     refined.T_imu_cam1 = T_imu_body * rig.T_imu_cam1;
     return refined;
@@ -178,8 +179,10 @@ void apply_calibration(const types::Rig& rig,
                        const types::RefinedCalibration& calibration,
                        types::Track& track) {
     const types::RectifiedRig rectified = track.rig;
-    if (calibration.rotation_applied) {
-        const Eigen::Isometry3d T_body_imu(calibration.imu.q_body_imu);
+    if (calibration.rotation_applied || calibration.lever_arm_applied) {
+        const Eigen::Isometry3d T_body_imu =
+            Eigen::Isometry3d(calibration.applied_alignment().q_body_imu) *
+            Eigen::Translation3d(calibration.applied_lever_arm_m());
         track.rig.T_imu_cam = T_body_imu.inverse() * track.rig.T_imu_cam;
         for (types::StampedPose& pose : track.odometry)
             pose.T_world_imu = pose.T_world_imu * T_body_imu;

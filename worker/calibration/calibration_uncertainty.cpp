@@ -165,6 +165,13 @@ Eigen::Matrix3d of_rate_error(const types::Rig& rig, const types::RefinedCalibra
            left_out * left_out.transpose();
 }
 
+Eigen::Matrix3d of_lever_arm(const types::Rig& rig, const types::RefinedCalibration& calibration) {
+    if (!rig.imu_noise) return Eigen::Matrix3d::Zero();
+    if (!calibration.lever_arm_applied)
+        return kLeverArmSigma_m * kLeverArmSigma_m * Eigen::Matrix3d::Identity();
+    return calibration.lever_arm_sigma_m.cwiseAbs2().asDiagonal();
+}
+
 double of_medium(const types::RigAlignment& alignment) {
     if (alignment.change.medium.is_none()) return 0.0;
     return alignment.applied ? kMediumSigma : kWrongMediumSigma;
@@ -203,10 +210,7 @@ optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& r
                                               std::pow(rig.right_delay_baseline_sigma, 2) +
                                               std::pow(of_medium(alignment), 2);
     result.covariance.block<3, 3>(kImu, kImu) = of_imu_rotation(rig, refined.calibration);
-    if (rig.imu_noise)
-        result.covariance.block<3, 3>(kLeverArm, kLeverArm)
-            .diagonal()
-            .setConstant(kLeverArmSigma_m * kLeverArmSigma_m);
+    result.covariance.block<3, 3>(kLeverArm, kLeverArm) = of_lever_arm(rig, refined.calibration);
     result.time_offset_sigma_s = of_time_offset(rig, refined.calibration);
     result.rate_error_covariance = of_rate_error(rig, refined.calibration);
     return result;

@@ -19,23 +19,6 @@ struct ScaleCheck {
 // Returns true if a scale is more than three of its sigmas from 1.
 bool is_contradicted(const ScaleCheck& check);
 
-// Compares the accelerometer with the path. Both are weighted by windows w(t) = sin^4(pi t / T)
-// that overlap by half, so that no velocity is needed (modulating functions, Shinbrot 1957):
-//
-//     integral w (R_world_imu (a - b) + g) dt = s integral w'' p_world_imu dt
-//
-// Unknowns of the least squares are the deviation of gravity g from 9.81 m/s^2 along -z and the
-// bias b, each constant for a minute, and the scale s, constant for the whole dive. A window is two
-// seconds, or as long as twelve frames take; between frames the rotation follows the gyroscope.
-// Returns nullopt without accelerometer data, if frames are more than 0.6 s apart, or if fewer than
-// five windows are covered without a gap.
-std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<types::ImuSample>& imu,
-                                                 const types::Trajectory& trajectory);
-
-// Returns why scale_by_accelerometer() returns nullopt.
-std::string why_no_scale_by_accelerometer(const std::vector<types::ImuSample>& imu,
-                                          const types::Trajectory& trajectory);
-
 // Compares the depth by pressure with the vertical motion of the path: the slope of depth over -z,
 // with half seconds of the dive as samples; a slope over x and y is free, as the path may be
 // slightly tilted. Sigma includes the correlation of consecutive residuals, and is wider the fewer

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "worker/base/text.hpp"
+#include "worker/evaluation/accelerometer_fit.hpp"
 #include "worker/evaluation/imu_check.hpp"
 #include "worker/imu/preintegration.hpp"
 #include "worker/optimisation/expected_path_error.hpp"

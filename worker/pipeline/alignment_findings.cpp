@@ -43,6 +43,21 @@ Finding moved_finding(const types::RigAlignment& alignment) {
             "fixed tightly."};
 }
 
+// The direction of the baseline alone is no knock that is corrected: rows of a scene at one range
+// and things that move between the exposures look like it.
+Finding rows_off_finding(const types::RigAlignment& alignment) {
+    return {Severity::Warning,
+            "stereo_mismatch",
+            "mav0/cam1/sensor.yaml",
+            "matching points in the left and right images lie " +
+                base::fixed(alignment.row_shift_px, 1) +
+                " px (RMS) off their rows, and no rotation of the right camera explains it: the "
+                "baseline points elsewhere than the calibration says, or left and right images "
+                "were not taken at the same time",
+            "The calibration is used as stated. Calibrate the stereo pair again, and check that "
+            "both cameras fire together."};
+}
+
 Finding medium_finding(const types::MediumChange& medium) {
     const bool in_air = medium.focal_scale * medium.refractive_index > 1.0;
     const bool is_port = medium.refractive_index != 1.0;
@@ -118,6 +133,8 @@ std::vector<Finding> alignment_findings(const types::RigAlignment& alignment) {
         findings.push_back(medium_finding(medium));
     if (alignment.outcome == Outcome::Moved && alignment.shift_px() >= kMinShift_px)
         findings.push_back(moved_finding(alignment));
+    if (alignment.outcome == Outcome::AsStated && alignment.row_shift_px >= kMinShift_px)
+        findings.push_back(rows_off_finding(alignment));
     return findings;
 }
 

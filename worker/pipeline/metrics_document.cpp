@@ -90,6 +90,15 @@ void add_readout_time(const types::RefinedCalibration& refined, json& result) {
                                 {"applied", refined.readout_time_applied}};
 }
 
+void add_lever_arm(const types::RefinedCalibration& refined, json& result) {
+    const Eigen::Vector3d& arm_m = refined.lever_arm_m;
+    const Eigen::Vector3d& sigma_m = refined.lever_arm_sigma_m;
+    if (sigma_m.isZero(0.0)) return;
+    result["lever_arm_m"] = {{"vector", {arm_m.x(), arm_m.y(), arm_m.z()}},
+                             {"sigma", {sigma_m.x(), sigma_m.y(), sigma_m.z()}},
+                             {"applied", refined.lever_arm_applied}};
+}
+
 void add_imu(const MetricsInput& input, json& result) {
     const types::RefinedCalibration& refined = input.refined;
     if (!input.rig.imu_noise || refined.time_offset_sigma_s <= 0.0) return;
@@ -106,6 +115,7 @@ void add_imu(const MetricsInput& input, json& result) {
     result["rate_error"] = {{"vector", {error.x(), error.y(), error.z()}},
                             {"sigma", {error_sigma.x(), error_sigma.y(), error_sigma.z()}},
                             {"applied", refined.rate_error_applied}};
+    add_lever_arm(refined, result);
 }
 
 // Returns the parts of the calibration that were estimated; empty if none was.

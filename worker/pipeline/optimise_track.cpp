@@ -18,12 +18,15 @@
 #include "worker/optimisation/frame_covariances.hpp"
 #include "worker/optimisation/global_bundle_adjustment.hpp"
 #include "worker/pipeline/known_motions.hpp"
+#include "worker/pipeline/lever_arm.hpp"
 #include "worker/pipeline/segments_apart.hpp"
 #include "worker/pipeline/solver_findings.hpp"
 #include "worker/pipeline/track_agreement.hpp"
 
 namespace divemesh::pipeline {
 namespace {
+
+constexpr int kMaxLeverArmRounds = 3;
 
 // Runs the steps of optimise_track, and runs them again with less if the result is worse.
 class TrackOptimiser {
@@ -49,7 +52,10 @@ public:
         find_loops();
         types::Track closed = closed_track();
         refine_calibration(closed);
-        if (!adjust(std::move(closed))) adjust_with_less();
+        if (adjust(std::move(closed)))
+            refine_lever_arm();
+        else
+            adjust_with_less();
         return std::move(result_);
     }
 
@@ -59,6 +65,8 @@ private:
     void drop_loops(const std::string& why);
     void refine_calibration(const types::Track& closed);
     bool adjust(types::Track closed);
+    void refine_lever_arm();
+    void leave_lever_arm(types::OptimisedTrack earlier);
     void adjust_with_less();
     void leave_as_tracked();
     void take(types::Track& closed, const optimisation::GlobalBundleAdjustment& adjusted);
@@ -83,6 +91,7 @@ private:
     std::optional<types::SolverOutcome> pose_graph_;  // the last one that closed them
     calibration::CalibrationRefinement refinement_;
     types::OptimisedTrack result_;
+    std::size_t num_findings_before_adjusting_ = 0;
 };
 
 void TrackOptimiser::find_loops() {
@@ -148,6 +157,7 @@ void TrackOptimiser::refine_calibration(const types::Track& closed) {
 // Adjusts the whole dive with the refined calibration. Returns false and takes no result if the
 // track got worse.
 bool TrackOptimiser::adjust(types::Track closed) {
+    num_findings_before_adjusting_ = result_.findings.size();
     types::ImuAlignment alignment = result_.calibration.applied_alignment();
     alignment.q_body_imu.setIdentity();  // apply_calibration() rotates the rig
     inertial_.align(alignment);
@@ -178,6 +188,33 @@ bool TrackOptimiser::adjust(types::Track closed) {
     if (!better) return false;
     take(closed, adjusted);
     return true;
+}
+
+// Adjusts again with the IMU where the accelerometer tells that it is, until it stays there: a path
+// that was adjusted with a wrong lever arm hides a part of it. The result stays as it was if this
+// does not help.
+void TrackOptimiser::refine_lever_arm() {
+    if (!options_.align_imu || !inertial_.has_accelerometer()) return;
+    const types::OptimisedTrack as_stated = result_;
+    types::RefinedCalibration& calibration = result_.calibration;
+    for (int round = 0; round < kMaxLeverArmRounds; ++round) {
+        const auto found = find_lever_arm(result_, recording_, track_.left_out);
+        if (!found) return;
+        calibration.lever_arm_sigma_m = found->sigma_m;
+        if (calibration.lever_arm_applied && found->is_still) return;
+        calibration.lever_arm_m = found->from_stated_m;
+        if (!calibration.lever_arm_applied && !found->is_significant) return;
+        calibration.lever_arm_applied = true;
+        result_.findings.resize(num_findings_before_adjusting_);
+        if (!adjust(closed_track())) return leave_lever_arm(as_stated);
+    }
+}
+
+// Goes back to an earlier result. What was estimated since stays, but is not used.
+void TrackOptimiser::leave_lever_arm(types::OptimisedTrack earlier) {
+    earlier.calibration.lever_arm_m = result_.calibration.lever_arm_m;
+    earlier.calibration.lever_arm_sigma_m = result_.calibration.lever_arm_sigma_m;
+    result_ = std::move(earlier);
 }
 
 // Leaves out what may have misled the bundle adjustment: first the refined calibration, then the

@@ -7,6 +7,7 @@
 #include "worker/evaluation/tracking_segments.hpp"
 #include "worker/pipeline/alignment_findings.hpp"
 #include "worker/pipeline/color_metrics.hpp"
+#include "worker/pipeline/lever_arm.hpp"
 #include "worker/pipeline/measured_poses.hpp"
 #include "worker/pipeline/metrics_document.hpp"
 #include "worker/pipeline/result_findings.hpp"
@@ -91,6 +92,7 @@ std::vector<Finding> findings(const Reconstruction& made,
     add(bounds_finding(expected, segments.size()));
     add(vertical_finding(vertical_known));
     add(shutter_finding(made.refined()));
+    add(lever_arm_finding(made.refined()));
     if (!made.options().surface) return all;
     ReconstructionOptions fused_with = made.options();
     if (made.optimised.max_depth_m > 0.0) fused_with.max_depth_m = made.max_depth_m;

@@ -128,6 +128,9 @@ void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {
     file.flag(calibration.rotation_applied);
     file.raw(calibration.rate_error_sigma);
     file.flag(calibration.rate_error_applied);
+    file.raw(calibration.lever_arm_m);
+    file.raw(calibration.lever_arm_sigma_m);
+    file.flag(calibration.lever_arm_applied);
     file.flag(calibration.lenses_applied);
     file.plain(calibration.readout_time_s);
     file.plain(calibration.readout_time_sigma_s);

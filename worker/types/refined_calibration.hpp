@@ -20,6 +20,10 @@ struct RefinedCalibration {
     bool rotation_applied = false;
     Eigen::Vector3d rate_error_sigma = Eigen::Vector3d::Zero();
     bool rate_error_applied = false;
+    // The position of the IMU relative to the stated one, axes of imu.
+    Eigen::Vector3d lever_arm_m = Eigen::Vector3d::Zero();
+    Eigen::Vector3d lever_arm_sigma_m = Eigen::Vector3d::Zero();  // 0: not estimated
+    bool lever_arm_applied = false;
     // The two lenses, left and right.
     std::array<LensChange, 2> lenses;
     std::array<LensChange::Vector, 2> lens_sigmas = {LensChange::Vector::Zero(),
@@ -33,6 +37,9 @@ struct RefinedCalibration {
     bool readout_time_applied = false;
 
     double applied_readout_time_s() const { return readout_time_applied ? readout_time_s : 0.0; }
+    Eigen::Vector3d applied_lever_arm_m() const {
+        return lever_arm_applied ? lever_arm_m : Eigen::Vector3d::Zero();
+    }
     ImuAlignment applied_alignment() const {
         ImuAlignment applied;
         applied.time_offset_s = time_offset_applied ? imu.time_offset_s : tracked_time_offset_s;
@@ -41,12 +48,13 @@ struct RefinedCalibration {
         return applied;
     }
     bool is_applied() const {
-        return time_offset_applied || rotation_applied || rate_error_applied || lenses_applied ||
-               readout_time_applied;
+        return time_offset_applied || rotation_applied || rate_error_applied || lever_arm_applied ||
+               lenses_applied || readout_time_applied;
     }
     // Keeps the estimates but applies none of them.
     void leave_as_stated() {
         time_offset_applied = rotation_applied = rate_error_applied = false;
+        lever_arm_applied = false;
         lenses_applied = readout_time_applied = false;
     }
     // Returns false if there were no data to estimate it from.

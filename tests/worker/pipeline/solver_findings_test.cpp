@@ -70,6 +70,20 @@ TEST(AlignmentFindingsTest, ImagesThatDoNotBelongTogetherAreTold) {
     EXPECT_TRUE(alignment_findings(alignment).empty()) << "one pair says little";
 }
 
+TEST(SolverFindingsTest, RowsThatAreOffAreToldEvenIfNothingIsCorrected) {
+    types::RigAlignment alignment;
+    alignment.outcome = types::RigAlignment::Outcome::AsStated;
+    alignment.num_pairs = 6;
+    alignment.num_matches = 153;
+    alignment.num_inliers = 111;
+    alignment.row_shift_px = 0.5;
+    EXPECT_TRUE(alignment_findings(alignment).empty());
+    alignment.row_shift_px = 1.6;
+    ASSERT_EQ(alignment_findings(alignment).size(), 1U);
+    EXPECT_EQ(alignment_findings(alignment)[0].code, "stereo_mismatch");
+    EXPECT_NE(alignment_findings(alignment)[0].message.find("1.6 px"), std::string::npos);
+}
+
 // A failed solve is a finding, and so is one that stopped too early.
 TEST(AlignmentFindingsTest, ASolveThatFailsOrIsStillMovingIsTold) {
     types::RigAlignment alignment;

@@ -1,12 +1,14 @@
+#include "worker/evaluation/accelerometer_fit.hpp"
+
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 #include "worker/evaluation/rotation_between_frames.hpp"
-#include "worker/evaluation/scale_check.hpp"
 #include "worker/imu/preintegration.hpp"
 #include "worker/stats/median.hpp"
 
@@ -22,21 +24,37 @@ constexpr std::int64_t kMinFramesOfWindow = 10;
 constexpr std::int64_t kMaxFrameInterval_ns = 600'000'000;
 constexpr std::int64_t kMaxSampleGap_ns = 150'000'000;
 constexpr std::int64_t kTimeOfOneBias_ns = 60'000'000'000;
-constexpr std::ptrdiff_t kMinWindows = 5;  // two equations for each unknown
+constexpr std::ptrdiff_t kMinWindows = 5;
+// The IMU is where the calibration says to this; many calibrations state no lever arm at all.
+constexpr double kLeverSigma_m = 0.05;
+constexpr double kAxesSigma_rad = 0.005;  // of an accelerometer's to its gyroscope's
+constexpr int kVarianceRounds = 3;
 // Windows that overlap by half share white noise: twice the correlation of sin^4 and cos^4.
 constexpr double kOverlap = 1.0 + 2.0 * 3.0 / 70.0;
 // Separates gravity and bias if the rig never rotates. The prior on gravity has about its true
 // uncertainty, so that its pull is negligible beside the residuals of a short dive.
 constexpr double kWeakPrior = 1e-6;
 
-// A window's equation: accelerated = s seen + unknowns, see the header.
+// The scale s, s l, and e.
+constexpr int kNumShared = 7;
+constexpr int kNumSeen = 4;  // of them with the path
+using SharedVector = Eigen::Matrix<double, kNumShared, 1>;
+using SharedMatrix = Eigen::Matrix<double, kNumShared, kNumShared>;
+
+// A window's equation: accelerated = shared (s, s l, e) + unknowns, see the header.
 struct Equation {
     // Integral w (R a + g) dt, with g as known.
     Eigen::Vector3d accelerated = Eigen::Vector3d::Zero();
-    Eigen::Vector3d seen = Eigen::Vector3d::Zero();  // integral w'' p dt
+    // Integral w'' (p, R) dt and integral w R (a x) dt.
+    Eigen::Matrix<double, 3, kNumShared> shared = Eigen::Matrix<double, 3, kNumShared>::Zero();
     Eigen::Matrix<double, 3, 6> unknowns =
         Eigen::Matrix<double, 3, 6>::Zero();  // of the deviation of g, and of b
 };
+
+// Returns p and R side by side.
+Eigen::Matrix<double, 3, kNumSeen> position_and_axes(const types::StampedPose& pose) {
+    return pose.T_world_imu.matrix().topRows<3>()(Eigen::all, {3, 0, 1, 2});
+}
 
 struct Window {
     std::int64_t start_ns = 0;
@@ -122,16 +140,17 @@ std::optional<Equation> equation(const std::vector<types::ImuSample>& imu,
     Equation result;
     const types::StampedPose& from = frames.first[0];
     const types::StampedPose& to = frames.first[frames.weights_s.size() - 1];
-    const Eigen::Vector3d way = to.T_world_imu.translation() - from.T_world_imu.translation();
+    const Eigen::Matrix<double, 3, kNumSeen> first = position_and_axes(from);
+    const Eigen::Matrix<double, 3, kNumSeen> way = position_and_axes(to) - first;
     for (std::size_t i = 0; i < frames.weights_s.size(); ++i) {
         const types::StampedPose& frame = frames.first[i];
-        // A uniform motion does not contribute to w''; removing it reduces the numerical error of
+        // A uniform change does not contribute to w''; removing it reduces the numerical error of
         // the sum.
         const double share = static_cast<double>(frame.timestamp_ns - from.timestamp_ns) /
                              static_cast<double>(to.timestamp_ns - from.timestamp_ns);
-        result.seen +=
-            frames.weights_s[i] * window.second_derivative(frame.timestamp_ns) *
-            (frame.T_world_imu.translation() - from.T_world_imu.translation() - share * way);
+        result.shared.leftCols<kNumSeen>() += frames.weights_s[i] *
+                                              window.second_derivative(frame.timestamp_ns) *
+                                              (position_and_axes(frame) - first - share * way);
     }
     for (std::size_t i = 0; i < samples.weights_s.size(); ++i) {
         const types::ImuSample& sample = samples.first[i];
@@ -141,6 +160,8 @@ std::optional<Equation> equation(const std::vector<types::ImuSample>& imu,
         if (!R_world_imu) return std::nullopt;
         result.accelerated += weight_s * (*R_world_imu * sample.acceleration_imu -
                                           imu::kGravity_m_s2 * Eigen::Vector3d::UnitZ());
+        result.shared.rightCols<3>() +=
+            weight_s * *R_world_imu * base::cross_matrix(sample.acceleration_imu);
         result.unknowns.leftCols<3>() -= weight_s * Eigen::Matrix3d::Identity();
         result.unknowns.rightCols<3>() += weight_s * *R_world_imu;
     }
@@ -157,56 +178,94 @@ std::vector<Equation> equations_of(const std::vector<types::ImuSample>& imu,
     return equations;
 }
 
-// Information of several equations with common gravity and bias about the scale: sums of squares
-// and products of the part that gravity and bias do not explain.
-struct Information {
-    double seen_seen = 0.0;
-    double seen_own = 0.0;
-    double own_own = 0.0;
-    double degrees_of_freedom = 0.0;
+// Normal equations of several windows with common gravity and bias for the shared unknowns, without
+// the part that gravity and bias explain.
+struct NormalEquations {
+    SharedMatrix information = SharedMatrix::Zero();
+    SharedVector right = SharedVector::Zero();
+    double squares = 0.0;  // of the right-hand sides
+    std::ptrdiff_t num_equations = 0;
 
-    double variance() const {
-        return (own_own - seen_own * seen_own / seen_seen) / degrees_of_freedom * kOverlap;
-    }
+    // Returns the variance of an equation. With it the priors have a weight, and so the number of
+    // unknowns that the equations determine.
+    double variance() const;
 };
 
-Information without_gravity_and_bias(const Equation* first, std::ptrdiff_t num) {
+// Returns the information that is there before the dive; s is close to 1, and not known.
+SharedMatrix prior_information() {
+    SharedVector weights;
+    weights << 0.0, Eigen::Vector3d::Constant(std::pow(kLeverSigma_m, -2)),
+        Eigen::Vector3d::Constant(std::pow(kAxesSigma_rad, -2));
+    return weights.asDiagonal();
+}
+
+double NormalEquations::variance() const {
+    double variance = (squares - right[0] * right[0] / information(0, 0)) /
+                      static_cast<double>(num_equations - 1);
+    for (int i = 0; i < kVarianceRounds; ++i) {
+        const auto solver = SharedMatrix(information + variance * prior_information()).ldlt();
+        const SharedVector shared = solver.solve(right);
+        const double num_determined = solver.solve(information).trace();
+        variance = (squares - 2.0 * shared.dot(right) + shared.dot(information * shared)) /
+                   (static_cast<double>(num_equations) - num_determined);
+    }
+    return variance * kOverlap;
+}
+
+NormalEquations without_gravity_and_bias(const Equation* first, std::ptrdiff_t num) {
+    constexpr int kNumKnown = kNumShared + 1;
     Eigen::Matrix<double, 6, 6> A = kWeakPrior * Eigen::Matrix<double, 6, 6>::Identity();
-    Eigen::Matrix<double, 6, 2> B = Eigen::Matrix<double, 6, 2>::Zero();
-    Eigen::Matrix2d C = Eigen::Matrix2d::Zero();
+    Eigen::Matrix<double, 6, kNumKnown> B = Eigen::Matrix<double, 6, kNumKnown>::Zero();
+    Eigen::Matrix<double, kNumKnown, kNumKnown> C =
+        Eigen::Matrix<double, kNumKnown, kNumKnown>::Zero();
     for (const Equation* e = first; e != first + num; ++e) {
-        Eigen::Matrix<double, 3, 2> known;
-        known << e->seen, e->accelerated;
+        Eigen::Matrix<double, 3, kNumKnown> known;
+        known << e->shared, e->accelerated;
         A += e->unknowns.transpose() * e->unknowns;
         B += e->unknowns.transpose() * known;
         C += known.transpose() * known;
     }
-    const Eigen::Matrix2d left = C - B.transpose() * A.ldlt().solve(B);
-    return {left(0, 0), left(0, 1), left(1, 1), static_cast<double>(3 * num - 7)};
+    const Eigen::Matrix<double, kNumKnown, kNumKnown> left = C - B.transpose() * A.ldlt().solve(B);
+    return {left.topLeftCorner<kNumShared, kNumShared>(),
+            left.topRightCorner<kNumShared, 1>(),
+            left(kNumShared, kNumShared),
+            3 * num - 6};
 }
 
 }  // namespace
 
-std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<types::ImuSample>& imu,
-                                                 const types::Trajectory& trajectory) {
+std::optional<AccelerometerFit> fit_accelerometer(const std::vector<types::ImuSample>& imu,
+                                                  const types::Trajectory& trajectory) {
     if (imu.empty() || median_interval_ns(trajectory) > kMaxFrameInterval_ns) return std::nullopt;
     const std::vector<Equation> equations = equations_of(imu, trajectory);
     const std::ptrdiff_t windows_of_one_bias = 2 * kTimeOfOneBias_ns / window_ns(trajectory);
     const std::ptrdiff_t num = std::ssize(equations);
     const std::ptrdiff_t num_groups = std::max<std::ptrdiff_t>(1, num / windows_of_one_bias);
-    double information = 0.0;
-    double weighted = 0.0;
+    SharedMatrix information = prior_information();
+    SharedVector right = SharedVector::Zero();
     for (std::ptrdiff_t group = 0; group < num_groups; ++group) {
         const std::ptrdiff_t begin = num * group / num_groups;
         const std::ptrdiff_t size = num * (group + 1) / num_groups - begin;
         if (size < kMinWindows) return std::nullopt;
-        const Information left = without_gravity_and_bias(equations.data() + begin, size);
-        if (left.seen_seen <= 0.0 || left.variance() <= 0.0) continue;
-        information += left.seen_seen / left.variance();
-        weighted += left.seen_own / left.variance();
+        const NormalEquations normal = without_gravity_and_bias(equations.data() + begin, size);
+        if (normal.information(0, 0) <= 0.0) continue;
+        const double variance = normal.variance();
+        if (!(variance > 0.0)) continue;
+        information += normal.information / variance;
+        right += normal.right / variance;
     }
-    if (information <= 0.0) return std::nullopt;
-    return ScaleCheck{weighted / information, 1.0 / std::sqrt(information)};
+    if (information(0, 0) <= 0.0) return std::nullopt;
+    const SharedMatrix covariance = information.inverse();
+    const SharedVector shared = covariance * right;
+    return AccelerometerFit{{shared[0], std::sqrt(covariance(0, 0))},
+                            shared.segment<3>(1) / shared[0],
+                            covariance.block<3, 3>(1, 1)};
+}
+
+std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<types::ImuSample>& imu,
+                                                 const types::Trajectory& trajectory) {
+    const auto fit = fit_accelerometer(imu, trajectory);
+    return fit ? std::optional(fit->scale) : std::nullopt;
 }
 
 std::string why_no_scale_by_accelerometer(const std::vector<types::ImuSample>& imu,
