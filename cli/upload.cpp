@@ -10,6 +10,7 @@
 #include "cli/preset_options.hpp"
 #include "cli/progress_bar.hpp"
 #include "cli/server_options.hpp"
+#include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "worker/dive/archive_identity.hpp"
@@ -225,7 +226,10 @@ void print(const Sent& sent, bool as_json) {
 
 int upload(const UploadOptions& options, const Context& context) {
     client::RestClient rest(account_of(options.server));
-    if (!options.no_job) make_options(options.preset.preset, overrides_of(options.preset.set));
+    make_options(options.preset.preset, overrides_of(options.preset.set));
+    if (options.no_job && !options.preset.set.empty())
+        throw Error(ErrorCode::InvalidArgument,
+                    "--set has no effect with --no-job: leave one of them out");
     const Sent sent = send_dive(rest, options);
     print(sent, context.json);
     if (!options.wait && options.download.empty()) return kExitDone;

@@ -107,11 +107,15 @@ EnvelopeAxis calibrations(const std::string& name, Imu imu) {
 EnvelopeAxis pauses() {
     EnvelopeAxis axis{.name = "stillness", .ordered = false};
     const std::pair<const char*, const char*> places[] = {{"20 s at the start", "0:20"},
+                                                          {"60 s at the start", "0:60"},
                                                           {"10 s in the middle", "0.5:10"}};
     for (const auto& [label, stretch] : places) {
         axis.steps.push_back(rendered(label, {"--pauses", stretch}));
         axis.steps.push_back(without_imu(axis.steps.back()));
     }
+    axis.steps.push_back(rendered("hovering for half a minute", {"--speed", "0.05"}));
+    axis.steps.back().length_m = 0.4;
+    axis.steps.push_back(without_imu(axis.steps.back()));
     return axis;
 }
 
@@ -121,6 +125,9 @@ EnvelopeAxis straight_lines() {
         axis.steps.push_back(rendered(std::string("sway times ") + sway, {"--sway", sway}));
         axis.steps.push_back(without_imu(axis.steps.back()));
     }
+    axis.steps.push_back(rendered("sway times 0 for a minute", {"--sway", "0"}));
+    axis.steps.back().length_m = 16.0;
+    axis.steps.push_back(without_imu(axis.steps.back()));
     return axis;
 }
 

@@ -13,6 +13,7 @@ struct EnvelopeStep {
     std::vector<std::string> rendered;  // options of `simulate`, added to those of the plain dive
     std::vector<std::string> options;   // NAME=VALUE of `reconstruct --set`
     DiveChange change;
+    double length_m = 0.0;  // of the dive rendered for it; 0: that of the scale
 };
 
 struct EnvelopeAxis {

@@ -179,8 +179,9 @@ json EnvelopeRuns::measure(const EnvelopeRun& run) {
 DiveSources EnvelopeRuns::sources_of(const EnvelopeRun& run) const {
     const EnvelopeStep& step = run.step;
     DiveSources sources;
+    const double length_m = step.length_m > 0.0 ? step.length_m : scale_.length_m;
     sources.dive = step.rendered.empty() ? rendered(run, scale_.plain_length_m, kPlainDive)
-                                         : rendered(run, scale_.length_m, step.rendered);
+                                         : rendered(run, length_m, step.rendered);
     if (step.change.imu == DiveChange::Imu::OtherDive)
         sources.other = rendered(
             {run.axis, step, run.scene, run.seed + kOtherSeed}, scale_.plain_length_m, kPlainDive);

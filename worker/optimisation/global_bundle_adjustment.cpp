@@ -192,6 +192,7 @@ GlobalBundleAdjustment adjust_globally(types::Track& track,
         outcome = bundle_adjustment.solve_sparse(kMaxIterations, progress, at);
         outcome.num_iterations += before.num_iterations;
         if (i > 0) outcome.initial_cost = before.initial_cost;
+        if (outcome.failed()) break;
         uncertainty = relative_to_first(bundle_adjustment,
                                         keyframes,
                                         states,

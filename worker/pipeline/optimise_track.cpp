@@ -19,6 +19,7 @@
 #include "worker/optimisation/global_bundle_adjustment.hpp"
 #include "worker/pipeline/known_motions.hpp"
 #include "worker/pipeline/lever_arm.hpp"
+#include "worker/pipeline/other_start.hpp"
 #include "worker/pipeline/segments_apart.hpp"
 #include "worker/pipeline/solver_findings.hpp"
 #include "worker/pipeline/track_agreement.hpp"
@@ -55,7 +56,7 @@ public:
         if (adjust(std::move(closed)))
             refine_lever_arm();
         else
-            adjust_with_less();
+            adjust_otherwise();
         return std::move(result_);
     }
 
@@ -67,7 +68,7 @@ private:
     bool adjust(types::Track closed);
     void refine_lever_arm();
     void leave_lever_arm(types::OptimisedTrack earlier);
-    void adjust_with_less();
+    void adjust_otherwise();
     void leave_as_tracked();
     void take(types::Track& closed, const optimisation::GlobalBundleAdjustment& adjusted);
     void add(const std::vector<Finding>& findings) {
@@ -217,9 +218,12 @@ void TrackOptimiser::leave_lever_arm(types::OptimisedTrack earlier) {
     result_ = std::move(earlier);
 }
 
-// Leaves out what may have misled the bundle adjustment: first the refined calibration, then the
-// loops. If this does not help, the track stays as tracked.
-void TrackOptimiser::adjust_with_less() {
+// Adjusts again from another start, then without what may have misled the bundle adjustment: first
+// the refined calibration, then the loops. If this does not help, the track stays as tracked.
+void TrackOptimiser::adjust_otherwise() {
+    types::Track restarted = closed_track();
+    start_from_odometry(restarted);
+    if (adjust(std::move(restarted))) return;
     if (result_.calibration.is_applied()) {
         result_.calibration.leave_as_stated();
         result_.findings.push_back({Severity::Warning,

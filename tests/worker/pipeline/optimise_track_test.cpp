@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "tests/synthetic/floor_swim.hpp"
 #include "tests/synthetic/ideal_rig.hpp"
@@ -70,6 +71,18 @@ TEST_F(OptimiseTrackTest, LeavesTheTrackAsItWasWhereAnAdjustmentDiverges) {
     EXPECT_TRUE(result.covariances.empty());
     EXPECT_THAT(whole_way(result.trajectory),
                 synthetic::IsPoseWithin(whole_way(track_.causal), 1e-6, 1e-9));
+}
+
+// A window left a landmark where no solver can begin.
+TEST_F(OptimiseTrackTest, StartsAgainFromTheOdometryWhereAnAdjustmentDiverges) {
+    types::Track track = track_;
+    track.landmarks[3].p_world.setConstant(std::numeric_limits<double>::quiet_NaN());
+    const types::OptimisedTrack result = optimised(track);
+    EXPECT_EQ(result.statistics.bundle_adjustment.num_solves, 2);
+    EXPECT_EQ(result.statistics.bundle_adjustment.num_failed, 1);
+    EXPECT_FALSE(result.covariances.empty());
+    EXPECT_THAT(whole_way(result.trajectory),
+                synthetic::IsPoseWithin(whole_way(track_.causal), 0.1, 0.005));
 }
 
 // The path of stereo_world.hpp with strokes: the rig surges by up to 1.5 m/s^2.
