@@ -116,6 +116,12 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
                    "white_point",
                    "must be empty (from the dive) or three numbers from 0.01 to 1000, such as "
                    "1.9,2.1,2.4");
+    faults.require(!white_point_of(options) || options.color != "raw",
+                   "white_point",
+                   "has no effect on raw colours: give color=restored too");
+    faults.require(options.color != "restored" || options.surface,
+                   "color",
+                   "is restored on a surface: leave surface=true");
     faults.require_one_of("mesher", options.mesher, {"surface_nets", "marching_cubes"});
     faults.require(options.num_disparities_px >= 16 && options.num_disparities_px <= 512 &&
                        options.num_disparities_px % 16 == 0,

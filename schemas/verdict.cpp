@@ -100,6 +100,7 @@ constexpr Row kRows[] = {
     {"truth_set_aside",             ""},
     {"texture_incomplete",          ""},
     {"color_not_restored",          ""},
+    {"color_partly_restored",       ""},
 };
 // clang-format on
 

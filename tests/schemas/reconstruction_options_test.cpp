@@ -80,7 +80,7 @@ TEST(ReconstructionOptions, AWhitePointIsThreeNumbersAsInMetrics) {
         const auto options =
             make_options("standard", {{"color", "restored"}, {"white_point", text}});
         EXPECT_EQ(options.white_point, text);
-        EXPECT_TRUE(faults_of({{"white_point", text}}).empty()) << "raw colours do not read it";
+        EXPECT_FALSE(faults_of({{"white_point", text}}).empty()) << "raw colours do not read it";
     }
     EXPECT_FALSE(white_point_from(""));
     EXPECT_TRUE(faults_of({{"color", "restored"}, {"white_point", ""}}).empty());

@@ -9,6 +9,8 @@ namespace {
 
 using nlohmann::json;
 
+constexpr double kMaxLimitedShare = 0.15;
+
 json estimate(const color::Value& of) { return {{"value", of.value}, {"sigma", of.sigma}}; }
 
 json channel_json(const color::ChannelFit& channel, color::LightSource light) {
@@ -86,6 +88,18 @@ Cause cause_of(const WaterColor& color) {
     return {};
 }
 
+// Returns a warning where the water left too little of the light for much of the surface.
+std::optional<Finding> limited_finding(const WaterColor& color) {
+    if (color.limited_share <= kMaxLimitedShare) return std::nullopt;
+    return Finding{Severity::Warning,
+                   "color_partly_restored",
+                   "",
+                   "too little light came from " + base::fixed(100.0 * color.limited_share, 0) +
+                       " % of what the keyframes see of the surface: there the colours are only "
+                       "restored in part",
+                   "do not compare colours of the far parts; go nearer, or bring more light"};
+}
+
 }  // namespace
 
 json to_metrics(const WaterColor& color) {
@@ -112,7 +126,7 @@ json to_metrics(const WaterColor& color) {
 }
 
 std::optional<Finding> color_finding(const WaterColor& color) {
-    if (color.fit.is_known()) return std::nullopt;
+    if (color.fit.is_known()) return limited_finding(color);
     const Cause cause = cause_of(color);
     return Finding{Severity::Warning,
                    "color_not_restored",

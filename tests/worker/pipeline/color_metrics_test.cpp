@@ -139,6 +139,18 @@ TEST(ColorFinding, NamesImagesThatCouldNotBeRead) {
     EXPECT_EQ(finding_on(fit).message.find("could not be read"), std::string::npos);
 }
 
+TEST(ColorFinding, TellsOfASurfaceThatIsRestoredInPart) {
+    WaterColor color{.fit = {.outcome = color::FitOutcome::Estimated}};
+    color.limited_share = 0.1;
+    EXPECT_FALSE(color_finding(color));
+    color.limited_share = 0.42;
+    const auto finding = color_finding(color);
+    ASSERT_TRUE(finding);
+    EXPECT_EQ(finding->code, "color_partly_restored");
+    EXPECT_NE(finding->message.find("42 %"), std::string::npos) << finding->message;
+    EXPECT_TRUE(restrictions_of({*finding}).empty());
+}
+
 TEST(ColorFinding, HasARemedyOfItsOwnForEveryOutcomeAndRestrictsNothing) {
     std::set<std::string> remedies;
     for (const auto outcome : kFailedOutcomes) {
