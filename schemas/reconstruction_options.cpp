@@ -121,7 +121,7 @@ void validate(const ReconstructionOptions& options, OptionFaults& faults) {
                    "has no effect on raw colours: give color=restored too");
     faults.require(options.color != "restored" || options.surface,
                    "color",
-                   "is restored on a surface: leave surface=true");
+                   "needs surface=true to restore colours");
     faults.require_one_of("mesher", options.mesher, {"surface_nets", "marching_cubes"});
     faults.require(options.num_disparities_px >= 16 && options.num_disparities_px <= 512 &&
                        options.num_disparities_px % 16 == 0,
