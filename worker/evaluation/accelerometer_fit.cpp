@@ -10,7 +10,9 @@
 #include "worker/base/text.hpp"
 #include "worker/evaluation/rotation_between_frames.hpp"
 #include "worker/imu/preintegration.hpp"
+#include "worker/stats/distributions.hpp"
 #include "worker/stats/median.hpp"
+#include "worker/stats/robust.hpp"
 
 namespace divemesh::evaluation {
 namespace {
@@ -28,33 +30,30 @@ constexpr std::ptrdiff_t kMinWindows = 5;
 // The IMU is where the calibration says to this; many calibrations state no lever arm at all.
 constexpr double kLeverSigma_m = 0.05;
 constexpr double kAxesSigma_rad = 0.005;  // of an accelerometer's to its gyroscope's
-constexpr int kVarianceRounds = 3;
+constexpr double kMaxNoise = 0.5;         // share of the accelerations
+constexpr int kVarianceRounds = 4;
+constexpr double kFirstVariance = 1e-6;  // m^2/s^4; of a good path
 // Windows that overlap by half share white noise: twice the correlation of sin^4 and cos^4.
 constexpr double kOverlap = 1.0 + 2.0 * 3.0 / 70.0;
-// Separates gravity and bias if the rig never rotates. The prior on gravity has about its true
-// uncertainty, so that its pull is negligible beside the residuals of a short dive.
-constexpr double kWeakPrior = 1e-6;
+// A tilt of the path by three degrees, and the bias of a cheap accelerometer.
+constexpr double kGravityAndBiasSigma_m_s2 = 0.5;
 
-// The scale s, s l, and e.
+// 1 / s, l and e / s: see the header.
 constexpr int kNumShared = 7;
-constexpr int kNumSeen = 4;  // of them with the path
 using SharedVector = Eigen::Matrix<double, kNumShared, 1>;
 using SharedMatrix = Eigen::Matrix<double, kNumShared, kNumShared>;
 
-// A window's equation: accelerated = shared (s, s l, e) + unknowns, see the header.
+// A window's equation: seen = shared (1 / s, l, e / s) + unknowns, see the header.
 struct Equation {
-    // Integral w (R a + g) dt, with g as known.
-    Eigen::Vector3d accelerated = Eigen::Vector3d::Zero();
-    // Integral w'' (p, R) dt and integral w R (a x) dt.
+    Eigen::Vector3d seen = Eigen::Vector3d::Zero();  // integral w'' p dt
+    // Integral w (R a + g) dt with g as known, -integral w'' R dt and -integral w R (a x) dt.
     Eigen::Matrix<double, 3, kNumShared> shared = Eigen::Matrix<double, 3, kNumShared>::Zero();
     Eigen::Matrix<double, 3, 6> unknowns =
-        Eigen::Matrix<double, 3, 6>::Zero();  // of the deviation of g, and of b
+        Eigen::Matrix<double, 3, 6>::Zero();  // of the deviation of g, and of b, over s
+    double squared_weights_s2 = 0.0;          // of the samples
 };
 
-// Returns p and R side by side.
-Eigen::Matrix<double, 3, kNumSeen> position_and_axes(const types::StampedPose& pose) {
-    return pose.T_world_imu.matrix().topRows<3>()(Eigen::all, {3, 0, 1, 2});
-}
+using Matrix34 = Eigen::Matrix<double, 3, 4>;
 
 struct Window {
     std::int64_t start_ns = 0;
@@ -130,6 +129,45 @@ Covered<types::StampedPose> frames_in(const types::Trajectory& trajectory, const
     return covered(trajectory, window, window.length_ns / kMinFramesOfWindow);
 }
 
+// Returns p and R side by side.
+Matrix34 position_and_axes(const Eigen::Vector3d& position, const Eigen::Matrix3d& axes) {
+    Matrix34 both;
+    both << position, axes;
+    return both;
+}
+
+// Returns integral w'' (p, R) dt over the frames of a window. R follows the gyroscope from the
+// first frame to the last: vision takes a part of a rotation for a motion of the scene's distance
+// times as far, which would look like an arm of that length.
+std::optional<Matrix34> seen_by(const Covered<types::StampedPose>& frames,
+                                const std::vector<types::ImuSample>& imu,
+                                const Window& window) {
+    const types::StampedPose& from = frames.first[0];
+    const types::StampedPose& to = frames.first[frames.weights_s.size() - 1];
+    const auto begin = std::ranges::lower_bound(
+        imu, from.timestamp_ns - kMaxSampleGap_ns, {}, &types::ImuSample::timestamp_ns);
+    const auto end = std::ranges::upper_bound(
+        imu, to.timestamp_ns + kMaxSampleGap_ns, {}, &types::ImuSample::timestamp_ns);
+    const RotationBetweenFrames rotation({begin, end}, {from, to});
+    const auto first = position_and_axes(from.T_world_imu.translation(), from.T_world_imu.linear());
+    const Matrix34 way =
+        position_and_axes(to.T_world_imu.translation(), to.T_world_imu.linear()) - first;
+    Matrix34 sum = Matrix34::Zero();
+    for (std::size_t i = 0; i < frames.weights_s.size(); ++i) {
+        const types::StampedPose& frame = frames.first[i];
+        const auto R_world_imu = rotation.at(frame.timestamp_ns);
+        if (!R_world_imu) return std::nullopt;
+        // A uniform change does not contribute to w''; removing it reduces the numerical error of
+        // the sum.
+        const double share = static_cast<double>(frame.timestamp_ns - from.timestamp_ns) /
+                             static_cast<double>(to.timestamp_ns - from.timestamp_ns);
+        sum += frames.weights_s[i] * window.second_derivative(frame.timestamp_ns) *
+               (position_and_axes(frame.T_world_imu.translation(), *R_world_imu) - first -
+                share * way);
+    }
+    return sum;
+}
+
 std::optional<Equation> equation(const std::vector<types::ImuSample>& imu,
                                  const types::Trajectory& trajectory,
                                  const RotationBetweenFrames& rotation,
@@ -137,33 +175,24 @@ std::optional<Equation> equation(const std::vector<types::ImuSample>& imu,
     const auto frames = frames_in(trajectory, window);
     const auto samples = covered(imu, window, kMaxSampleGap_ns);
     if (frames.weights_s.empty() || samples.weights_s.empty()) return std::nullopt;
+    const auto seen = seen_by(frames, imu, window);
+    if (!seen) return std::nullopt;
     Equation result;
-    const types::StampedPose& from = frames.first[0];
-    const types::StampedPose& to = frames.first[frames.weights_s.size() - 1];
-    const Eigen::Matrix<double, 3, kNumSeen> first = position_and_axes(from);
-    const Eigen::Matrix<double, 3, kNumSeen> way = position_and_axes(to) - first;
-    for (std::size_t i = 0; i < frames.weights_s.size(); ++i) {
-        const types::StampedPose& frame = frames.first[i];
-        // A uniform change does not contribute to w''; removing it reduces the numerical error of
-        // the sum.
-        const double share = static_cast<double>(frame.timestamp_ns - from.timestamp_ns) /
-                             static_cast<double>(to.timestamp_ns - from.timestamp_ns);
-        result.shared.leftCols<kNumSeen>() += frames.weights_s[i] *
-                                              window.second_derivative(frame.timestamp_ns) *
-                                              (position_and_axes(frame) - first - share * way);
-    }
+    result.seen = seen->col(0);
+    result.shared.middleCols<3>(1) = -seen->rightCols<3>();
     for (std::size_t i = 0; i < samples.weights_s.size(); ++i) {
         const types::ImuSample& sample = samples.first[i];
         const double weight_s = samples.weights_s[i] * window.weight(sample.timestamp_ns);
         if (weight_s == 0.0) continue;
         const auto R_world_imu = rotation.at(sample.timestamp_ns);
         if (!R_world_imu) return std::nullopt;
-        result.accelerated += weight_s * (*R_world_imu * sample.acceleration_imu -
-                                          imu::kGravity_m_s2 * Eigen::Vector3d::UnitZ());
-        result.shared.rightCols<3>() +=
+        result.shared.col(0) += weight_s * (*R_world_imu * sample.acceleration_imu -
+                                            imu::kGravity_m_s2 * Eigen::Vector3d::UnitZ());
+        result.shared.rightCols<3>() -=
             weight_s * *R_world_imu * base::cross_matrix(sample.acceleration_imu);
-        result.unknowns.leftCols<3>() -= weight_s * Eigen::Matrix3d::Identity();
-        result.unknowns.rightCols<3>() += weight_s * *R_world_imu;
+        result.unknowns.leftCols<3>() += weight_s * Eigen::Matrix3d::Identity();
+        result.unknowns.rightCols<3>() -= weight_s * *R_world_imu;
+        result.squared_weights_s2 += weight_s * weight_s;
     }
     return result;
 }
@@ -183,15 +212,22 @@ std::vector<Equation> equations_of(const std::vector<types::ImuSample>& imu,
 struct NormalEquations {
     SharedMatrix information = SharedMatrix::Zero();
     SharedVector right = SharedVector::Zero();
-    double squares = 0.0;  // of the right-hand sides
+    double squares = 0.0;  // of the left-hand sides
+    double noise = 0.0;    // expected part of information(0, 0)
     std::ptrdiff_t num_equations = 0;
 
-    // Returns the variance of an equation. With it the priors have a weight, and so the number of
+    // Returns the information without the noise of the accelerations: with it they would look
+    // larger than they are (errors in variables, Fuller 1987).
+    SharedMatrix corrected() const;
+    // Finds the variance of an equation. With it the priors have a weight, and so the number of
     // unknowns that the equations determine.
-    double variance() const;
+    void find_variance();
+
+    double variance = kFirstVariance;
+    double degrees_of_freedom = 0.0;  // of the variance
 };
 
-// Returns the information that is there before the dive; s is close to 1, and not known.
+// Returns the information that is there before the dive. s is close to 1, and not known.
 SharedMatrix prior_information() {
     SharedVector weights;
     weights << 0.0, Eigen::Vector3d::Constant(std::pow(kLeverSigma_m, -2)),
@@ -199,37 +235,74 @@ SharedMatrix prior_information() {
     return weights.asDiagonal();
 }
 
-double NormalEquations::variance() const {
-    double variance = (squares - right[0] * right[0] / information(0, 0)) /
-                      static_cast<double>(num_equations - 1);
-    for (int i = 0; i < kVarianceRounds; ++i) {
-        const auto solver = SharedMatrix(information + variance * prior_information()).ldlt();
-        const SharedVector shared = solver.solve(right);
-        const double num_determined = solver.solve(information).trace();
-        variance = (squares - 2.0 * shared.dot(right) + shared.dot(information * shared)) /
-                   (static_cast<double>(num_equations) - num_determined);
-    }
-    return variance * kOverlap;
+SharedMatrix NormalEquations::corrected() const {
+    SharedMatrix result = information;
+    result(0, 0) -= std::min(noise, kMaxNoise * information(0, 0));
+    return result;
 }
 
-NormalEquations without_gravity_and_bias(const Equation* first, std::ptrdiff_t num) {
+void NormalEquations::find_variance() {
+    const SharedMatrix without_noise = corrected();
+    double rest = squares;
+    for (int i = 0; i < kVarianceRounds; ++i) {
+        const auto solver = SharedMatrix(without_noise + variance * prior_information()).ldlt();
+        const SharedVector shared = solver.solve(right);
+        degrees_of_freedom =
+            static_cast<double>(num_equations) - solver.solve(without_noise).trace();
+        rest = squares - 2.0 * shared.dot(right) + shared.dot(information * shared);
+        variance = kOverlap * rest / degrees_of_freedom;
+    }
+    degrees_of_freedom /= kOverlap;
+}
+
+// Returns the standard deviation of the white noise of a sample along an axis, from the differences
+// of neighbours.
+double noise_m_s2(const std::vector<types::ImuSample>& imu) {
+    std::vector<double> steps;
+    for (std::size_t i = 1; i < imu.size(); ++i)
+        for (int axis = 0; axis < 3; ++axis)
+            steps.push_back(
+                std::abs(imu[i].acceleration_imu[axis] - imu[i - 1].acceleration_imu[axis]));
+    if (steps.empty()) return 0.0;
+    return stats::kSigmasPerMad * stats::upper_median(std::move(steps)) / std::numbers::sqrt2;
+}
+
+// `noise_m_s2` is that of a sample, `variance` that of an equation, which gives priors their
+// weight.
+NormalEquations without_gravity_and_bias(const Equation* first,
+                                         std::ptrdiff_t num,
+                                         double noise_m_s2,
+                                         double variance) {
     constexpr int kNumKnown = kNumShared + 1;
-    Eigen::Matrix<double, 6, 6> A = kWeakPrior * Eigen::Matrix<double, 6, 6>::Identity();
+    Eigen::Matrix<double, 6, 6> A = variance * std::pow(kGravityAndBiasSigma_m_s2, -2) *
+                                    Eigen::Matrix<double, 6, 6>::Identity();
     Eigen::Matrix<double, 6, kNumKnown> B = Eigen::Matrix<double, 6, kNumKnown>::Zero();
     Eigen::Matrix<double, kNumKnown, kNumKnown> C =
         Eigen::Matrix<double, kNumKnown, kNumKnown>::Zero();
+    double noise = 0.0;
     for (const Equation* e = first; e != first + num; ++e) {
         Eigen::Matrix<double, 3, kNumKnown> known;
-        known << e->shared, e->accelerated;
+        known << e->shared, e->seen;
         A += e->unknowns.transpose() * e->unknowns;
         B += e->unknowns.transpose() * known;
         C += known.transpose() * known;
+        noise += 3.0 * noise_m_s2 * noise_m_s2 * e->squared_weights_s2;
     }
     const Eigen::Matrix<double, kNumKnown, kNumKnown> left = C - B.transpose() * A.ldlt().solve(B);
+    const double share = static_cast<double>(num - 2) / static_cast<double>(num);
     return {left.topLeftCorner<kNumShared, kNumShared>(),
             left.topRightCorner<kNumShared, 1>(),
             left(kNumShared, kNumShared),
+            share * noise,
             3 * num - 6};
+}
+
+// Returns by how much a sigma of so many degrees of freedom is wider than a known one, at three
+// sigmas.
+double widening_of(double degrees_of_freedom) {
+    constexpr double kShare = 0.99865;
+    return stats::student_t_quantile(kShare, std::max(1.0, degrees_of_freedom)) /
+           stats::normal_quantile(kShare);
 }
 
 }  // namespace
@@ -241,25 +314,37 @@ std::optional<AccelerometerFit> fit_accelerometer(const std::vector<types::ImuSa
     const std::ptrdiff_t windows_of_one_bias = 2 * kTimeOfOneBias_ns / window_ns(trajectory);
     const std::ptrdiff_t num = std::ssize(equations);
     const std::ptrdiff_t num_groups = std::max<std::ptrdiff_t>(1, num / windows_of_one_bias);
+    const double noise = noise_m_s2(imu);
     SharedMatrix information = prior_information();
     SharedVector right = SharedVector::Zero();
+    double degrees_of_freedom = 0.0;
     for (std::ptrdiff_t group = 0; group < num_groups; ++group) {
         const std::ptrdiff_t begin = num * group / num_groups;
         const std::ptrdiff_t size = num * (group + 1) / num_groups - begin;
         if (size < kMinWindows) return std::nullopt;
-        const NormalEquations normal = without_gravity_and_bias(equations.data() + begin, size);
-        if (normal.information(0, 0) <= 0.0) continue;
-        const double variance = normal.variance();
-        if (!(variance > 0.0)) continue;
-        information += normal.information / variance;
-        right += normal.right / variance;
+        NormalEquations normal;
+        for (int i = 0; i < kVarianceRounds; ++i) {
+            const double variance = normal.variance;
+            normal = without_gravity_and_bias(equations.data() + begin, size, noise, variance);
+            normal.variance = variance;
+            if (normal.information(0, 0) > 0.0) normal.find_variance();
+        }
+        if (!(normal.information(0, 0) > 0.0 && normal.variance > 0.0)) continue;
+        information += normal.corrected() / normal.variance;
+        right += normal.right / normal.variance;
+        degrees_of_freedom += normal.degrees_of_freedom;
     }
     if (information(0, 0) <= 0.0) return std::nullopt;
-    const SharedMatrix covariance = information.inverse();
-    const SharedVector shared = covariance * right;
-    return AccelerometerFit{{shared[0], std::sqrt(covariance(0, 0))},
-                            shared.segment<3>(1) / shared[0],
-                            covariance.block<3, 3>(1, 1)};
+    const SharedVector shared = information.ldlt().solve(right);
+    // The variances are those of the residuals, few of a short dive.
+    const double widening = widening_of(degrees_of_freedom);
+    const SharedMatrix covariance = widening * widening * information.inverse();
+    if (!(shared[0] > 0.0)) return std::nullopt;
+    return AccelerometerFit{
+        {1.0 / shared[0], std::sqrt(covariance(0, 0)) / (shared[0] * shared[0])},
+        shared.segment<3>(1),
+        covariance.block<3, 3>(1, 1),
+        num};
 }
 
 std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<types::ImuSample>& imu,

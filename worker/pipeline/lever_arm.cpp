@@ -10,8 +10,11 @@
 namespace divemesh::pipeline {
 namespace {
 
-constexpr double kSignificant = 4.0;  // sigmas
+constexpr double kSignificant = 5.5;        // sigmas
+constexpr std::ptrdiff_t kMinWindows = 10;  // 11 s
 constexpr double kMinLeverArm_m = 0.01;
+constexpr double kMaxLeverArm_m = 0.5;  // of a rig that a diver holds
+constexpr double kMaxSigma_m = 0.025;   // of an axis
 
 double squared_sigmas(const Eigen::Vector3d& arm_m, const Eigen::Matrix3d& covariance_m2) {
     return arm_m.dot(covariance_m2.ldlt().solve(arm_m));
@@ -32,6 +35,9 @@ std::optional<LeverArm> find_lever_arm(const types::OptimisedTrack& adjusted,
     found.from_stated_m = adjusted.calibration.applied_lever_arm_m() + fit->lever_arm_m;
     found.sigma_m = fit->lever_arm_covariance_m2.diagonal().cwiseSqrt();
     found.is_significant = found.from_stated_m.norm() > kMinLeverArm_m &&
+                           found.from_stated_m.norm() < kMaxLeverArm_m &&
+                           found.sigma_m.maxCoeff() < kMaxSigma_m &&
+                           fit->num_windows >= kMinWindows &&
                            squared_sigmas(found.from_stated_m, fit->lever_arm_covariance_m2) >
                                kSignificant * kSignificant;
     found.is_still = squared_sigmas(fit->lever_arm_m, fit->lever_arm_covariance_m2) < 3.0;
