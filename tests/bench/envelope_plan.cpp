@@ -114,7 +114,7 @@ EnvelopeAxis pauses() {
         axis.steps.push_back(without_imu(axis.steps.back()));
     }
     axis.steps.push_back(rendered("hovering for half a minute", {"--speed", "0.05"}));
-    axis.steps.back().length_m = 0.4;
+    axis.steps.back().length_m = 2.0;  // nearly all of it sway
     axis.steps.push_back(without_imu(axis.steps.back()));
     return axis;
 }

@@ -59,7 +59,7 @@ TEST(ReconstructionStagesTest, ColoursAreRestoredBetweenMeshAndTexture) {
     EXPECT_EQ(color->part_of, "texture") << "a job has no such stage";
     EXPECT_EQ(color->reads, (Names{"color", "white_point"}));
     ASSERT_NE(color->reads_count, nullptr);
-    EXPECT_FALSE(color->reads_count(make_options("standard", {{"white_point", "1.9,2.1,2.4"}})));
+    EXPECT_FALSE(color->reads_count(make_options("standard", {{"color", "raw"}})));
     EXPECT_TRUE(color->reads_count(make_options("standard", {{"color", "restored"}})));
 }
 
