@@ -19,6 +19,7 @@
 #include "cli/text.hpp"
 #include "schemas/json.hpp"
 #include "worker/recording/import_recording.hpp"
+#include "worker/recording/imu_clock.hpp"
 #include "worker/recording/read_rig.hpp"
 #include "worker/recording/recorded_dive.hpp"
 
@@ -96,6 +97,7 @@ int write_calibration(const ImportArguments& arguments, const Context& context) 
     if (arguments.size_px) hints.resolution = {(*arguments.size_px)[0], (*arguments.size_px)[1]};
     hints.metres_per_unit = arguments.options.metres_per_unit;
     const auto rig = recording::read_rig(arguments.options.calibration, findings, hints);
+    recording::report_unapplied_shift(rig, findings);
     recording::write_rig(rig, arguments.options.out);
     if (context.json) {
         std::cout << nlohmann::json{{"findings", findings.all()}}.dump(2) << '\n';

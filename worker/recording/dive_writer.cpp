@@ -98,6 +98,16 @@ bool DiveWriter::add_image(Side side, std::int64_t timestamp_ns, const ImageFile
     return true;
 }
 
+void DiveWriter::move_imu(std::int64_t by_ns) {
+    std::vector<types::ImuSample> moved;
+    moved.reserve(imu_.size());
+    for (types::ImuSample sample : imu_)
+        if (!__builtin_add_overflow(sample.timestamp_ns, by_ns, &sample.timestamp_ns) &&
+            sample.timestamp_ns >= 0)
+            moved.push_back(sample);
+    imu_ = std::move(moved);
+}
+
 std::int64_t DiveWriter::num_images(Side side) const {
     return std::ssize(side == Side::Left ? left_ : right_);
 }

@@ -10,6 +10,7 @@
 #include "worker/base/part_of.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
+#include "worker/recording/imu_clock.hpp"
 #include "worker/recording/input_file.hpp"
 #include "worker/recording/provenance.hpp"
 #include "worker/recording/read_video.hpp"
@@ -254,6 +255,7 @@ void VideoImport::write_imu(const video::ClockOffset& clock, DiveWriter& writer)
         sample.timestamp_ns += start_ns();
         if (sample.timestamp_ns > 0) writer.add_imu(sample);
     }
+    apply_imu_shift(rig_, writer, findings_);
 }
 
 }  // namespace divemesh::recording

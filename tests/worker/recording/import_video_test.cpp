@@ -124,6 +124,34 @@ TEST_F(ImportVideoTest, TheTelemetryOfAGoProIsTheImu) {
     EXPECT_EQ(later.front().timestamp_ns - imu.front().timestamp_ns, 500'000'000);
 }
 
+TEST_F(ImportVideoTest, TheShiftOfKalibrPutsTheTelemetryOnTheClockOfTheImages) {
+    video::WrittenVideo gopro;
+    gopro.has_gpmf = true;
+    std::vector<int> numbers;
+    for (int i = 0; i < 200; ++i) numbers.insert(numbers.end(), {i + 1, 0, 0});
+    const std::string payload = video::device(video::sensor_stream("GYRO", 1, "XYZ", 200, numbers) +
+                                              video::sensor_stream("ACCL", 1, "XYZ", 200, numbers));
+    auto options = options_for(
+        {written("l.mov", {0, 100, 200}, 0, gopro, {payload}), written("r.mov", {0, 100, 200}, 9)});
+    options.calibration = {folder_ / "camchain.yaml"};
+    dive::FindingLog findings;
+    for (const auto& [shift, shift_ns] :
+         {std::pair("0.0123", 12'300'000), std::pair("-0.5", -500'000'000), std::pair("0.0", 0)}) {
+        std::ofstream(options.calibration[0]) << small_camchain(shift);
+        imported(options);
+        EXPECT_EQ(has_code("calibration_time_offset"), shift_ns != 0);
+        const auto imu =
+            dive::parse_imu(text_of(options.out / "mav0" / "imu0" / "data.csv"), "imu", findings);
+        ASSERT_GT(imu.size(), 190U);
+        EXPECT_EQ(imu[0].timestamp_ns, kUnknownStart_ns - shift_ns);
+    }
+    VideoImportOptions without = options;
+    without.imu = "none";
+    std::ofstream(options.calibration[0]) << small_camchain("0.1");
+    imported(without);
+    EXPECT_FALSE(has_code("calibration_time_offset"));
+}
+
 TEST_F(ImportVideoTest, TheRateChoosesPairs) {
     std::vector<std::int64_t> times_ms;
     for (int i = 0; i < 60; ++i) times_ms.push_back(33 * i);
