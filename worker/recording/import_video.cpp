@@ -16,6 +16,7 @@
 #include "worker/recording/read_video.hpp"
 #include "worker/video/chapter_files.hpp"
 #include "worker/video/find_offset.hpp"
+#include "worker/video/gpmf_gps.hpp"
 #include "worker/video/gpmf_imu.hpp"
 
 namespace divemesh::recording {
@@ -127,8 +128,11 @@ ImportCounts VideoImport::write(const base::ProgressCallback& progress) {
     if (writer.num_images(Side::Left) == 0)
         fail(ErrorCode::BadData, "no image of the videos can be decoded: copy them again");
     write_imu(clock, writer);
-    Provenance provenance{
-        .name = options_.videos.front().stem().string(), .files = {}, .findings = findings()};
+    const auto position = find_position();
+    Provenance provenance{.name = options_.videos.front().stem().string(),
+                          .files = {},
+                          .findings = findings(),
+                          .position = position};
     for (const auto& video : videos_)
         for (const video::VideoPart& part : video.parts)
             provenance.files.push_back(imported_file(part.path.filename().string(), {part.path}));
@@ -256,6 +260,27 @@ void VideoImport::write_imu(const video::ClockOffset& clock, DiveWriter& writer)
         if (sample.timestamp_ns > 0) writer.add_imu(sample);
     }
     apply_imu_shift(rig_, writer, findings_);
+}
+
+// Returns where the left camera was by the GPS of its telemetry, or the right one if it alone
+// knows.
+std::optional<types::GeographicPosition> VideoImport::find_position() {
+    constexpr int kDecimals = 6;  // of degrees: a tenth of a metre
+    for (const video::IndexedVideo& video : videos_) {
+        const auto found = video::gps_position_of(video.index.gpmf);
+        if (!found) continue;
+        findings_.info("position_by_gps",
+                       video.name(),
+                       "the position of the dive is latitude " +
+                           base::fixed(found->position.latitude_deg, kDecimals) + ", longitude " +
+                           base::fixed(found->position.longitude_deg, kDecimals) +
+                           ", the median of " + std::to_string(found->num_fixes) +
+                           " fixes by the camera's GPS at the surface; half of them are within " +
+                           base::fixed(found->scatter_m, 1) + " m of it, 95 % within " +
+                           base::fixed(found->spread_m, 1) + " m");
+        return found->position;
+    }
+    return std::nullopt;
 }
 
 }  // namespace divemesh::recording

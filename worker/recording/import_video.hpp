@@ -63,6 +63,7 @@ private:
                      const video::ClockOffset& clock,
                      DiveWriter& writer) const;
     void write_imu(const video::ClockOffset& clock, DiveWriter& writer);
+    std::optional<types::GeographicPosition> find_position();
     std::int64_t start_ns() const;
 
     VideoImportOptions options_;

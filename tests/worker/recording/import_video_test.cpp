@@ -10,6 +10,7 @@
 #include "schemas/error.hpp"
 #include "tests/worker/recording/import_video_fixture.hpp"
 #include "tests/worker/video/gpmf_writer.hpp"
+#include "worker/dive/dive_json.hpp"
 #include "worker/dive/sensor_tables.hpp"
 
 namespace divemesh::recording {
@@ -150,6 +151,35 @@ TEST_F(ImportVideoTest, TheShiftOfKalibrPutsTheTelemetryOnTheClockOfTheImages) {
     std::ofstream(options.calibration[0]) << small_camchain("0.1");
     imported(without);
     EXPECT_FALSE(has_code("calibration_time_offset"));
+}
+
+TEST_F(ImportVideoTest, FixesOfTheGpsAreThePositionOfTheDive) {
+    video::WrittenVideo gopro;
+    gopro.has_gpmf = true;
+    const std::string fixes =
+        video::gps5_stream(3, 150, {{13.1912, -59.6413}, {13.1913, -59.6413}, {13.1914, -59.6412}});
+    const std::string none = video::gps5_stream(0, 9999, {{0.0, 0.0}});
+    const auto left = written("l.mov", {0, 100}, 0, gopro, {video::device(fixes)});
+    const auto right = written("r.mov", {0, 100}, 9, gopro, {video::device(none)});
+    // The camera that has a fix states the position, and the dive reads it.
+    for (const auto& videos : {std::vector{left, right}, std::vector{right, left}}) {
+        imported(options_for(videos));
+        const std::string json = text_of(folder_ / "dive" / "dive.json");
+        dive::FindingLog findings;
+        const auto position = dive::parse_dive_info(json, findings).position;
+        ASSERT_TRUE(position);
+        EXPECT_EQ(position->latitude_deg, 13.1913);
+        EXPECT_EQ(position->longitude_deg, -59.6413);
+        EXPECT_FALSE(position->x_azimuth_deg);
+        ASSERT_TRUE(has_code("position_by_gps"));
+        EXPECT_EQ(findings.all().back().code, "position_by_gps");
+        EXPECT_NE(findings.all().back().message.find("median of 3 fixes"), std::string::npos);
+        EXPECT_NE(findings.all().back().message.find("within 11.1 m"), std::string::npos)
+            << findings.all().back().message;
+    }
+    imported(options_for({right, right}));
+    EXPECT_FALSE(has_code("position_by_gps"));
+    EXPECT_EQ(text_of(folder_ / "dive" / "dive.json").find("position"), std::string::npos);
 }
 
 TEST_F(ImportVideoTest, TheRateChoosesPairs) {
