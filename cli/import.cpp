@@ -19,6 +19,7 @@
 #include "cli/text.hpp"
 #include "schemas/json.hpp"
 #include "worker/recording/import_recording.hpp"
+#include "worker/recording/imu_clock.hpp"
 #include "worker/recording/read_rig.hpp"
 #include "worker/recording/recorded_dive.hpp"
 
@@ -96,6 +97,7 @@ int write_calibration(const ImportArguments& arguments, const Context& context) 
     if (arguments.size_px) hints.resolution = {(*arguments.size_px)[0], (*arguments.size_px)[1]};
     hints.metres_per_unit = arguments.options.metres_per_unit;
     const auto rig = recording::read_rig(arguments.options.calibration, findings, hints);
+    recording::report_unapplied_shift(rig, findings);
     recording::write_rig(rig, arguments.options.out);
     if (context.json) {
         std::cout << nlohmann::json{{"findings", findings.all()}}.dump(2) << '\n';
@@ -178,9 +180,9 @@ void add_import(CLI::App& app, Context& context) {
     command->add_option("--left", options.topics.left, "topic or folder of the left camera; default: by its name");
     command->add_option("--right", options.topics.right, "topic or folder of the right camera");
     command->add_option("--imu", options.topics.imu, "topic of the IMU, or none; default: the only one");
-    auto* calibration = command->add_option("--calibration", options.calibration, "folder of a dive whose sensor.yaml files are used (cam0, cam1, imu0), or files of Kalibr, OpenCV, ROS, KWIVER or COLMAP; after the recording; default: that of the recording");
+    auto* calibration = command->add_option("--calibration", options.calibration, "folder of a dive whose sensor.yaml files are used (cam0, cam1, imu0), or files of Kalibr, OpenCV, ROS, KWIVER, Matlab or COLMAP; after the recording; default: that of the recording");
     command->add_flag("--uncalibrated", arguments->is_uncalibrated, "the videos or images have no calibration yet: divemesh calibrate makes it from this dive")->excludes(calibration);
-    command->add_option("--calibration-unit", arguments->unit, "unit of T in files of OpenCV and KWIVER; default: m or mm by its size")->check(CLI::IsMember({"m", "cm", "mm"}));
+    command->add_option("--calibration-unit", arguments->unit, "unit of T in files of OpenCV, KWIVER and Matlab; default: m or mm by its size")->check(CLI::IsMember({"m", "cm", "mm"}));
     command->add_option("--image-size", arguments->size, "size of the images, such as 1920x1080, where neither a recording nor the calibration states it");
     command->add_option("--rate", arguments->rate_hz, "pairs a second: of images whose names count them, or those that are taken of videos (default 10)");
     // clang-format on

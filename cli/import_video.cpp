@@ -22,13 +22,19 @@ std::string size_text(const video::VideoTraits& traits) {
     return text;
 }
 
+// Returns the name of a video, with the number of its files if they are several.
+std::string name_text(const video::IndexedVideo& video) {
+    if (video.parts.size() == 1) return video.name();
+    return video.name() + " (" + std::to_string(video.parts.size()) + " chapters)";
+}
+
 // Returns the table of what the videos are.
 std::string videos_text(const recording::VideoImport& imported) {
     std::vector<std::vector<std::string>> rows = {
         {"video", "codec", "size [px]", "frames", "a second", "sound", "telemetry"}};
     for (const video::IndexedVideo& video : imported.videos()) {
         const video::VideoTraits& traits = video.index.traits;
-        rows.push_back({video.path.filename().string(),
+        rows.push_back({name_text(video),
                         traits.codec,
                         size_text(traits),
                         std::to_string(video.index.stamps_ns.size()),
@@ -43,7 +49,8 @@ nlohmann::json videos_json(const recording::VideoImport& imported) {
     nlohmann::json list = nlohmann::json::array();
     for (const video::IndexedVideo& video : imported.videos()) {
         const video::VideoTraits& traits = video.index.traits;
-        list.push_back({{"file", video.path.filename().string()},
+        list.push_back({{"file", video.name()},
+                        {"num_chapters", video.parts.size()},
                         {"codec", traits.codec},
                         {"width_px", traits.upright_width_px()},
                         {"height_px", traits.upright_height_px()},

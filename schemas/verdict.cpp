@@ -90,6 +90,8 @@ constexpr Row kRows[] = {
     {"image_16_bit",                ""},
     {"images_dark",                 ""},
     {"file_left_out",               ""},
+    {"video_chapter_missing",       ""},
+    {"video_chapter_unusable",      ""},
     {"gravity_check",               ""},
 
     // These concern what the result is compared with, or extras.

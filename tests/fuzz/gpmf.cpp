@@ -1,4 +1,5 @@
 #include "tests/fuzz/input.hpp"
+#include "worker/video/gpmf_gps.hpp"
 #include "worker/video/gpmf_imu.hpp"
 
 // Fuzzes the telemetry of a video: two payloads of the same bytes, at times that do not rise.
@@ -12,5 +13,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (!imu.samples[i].angular_velocity_imu.allFinite() ||
             (i > 0 && imu.samples[i].timestamp_ns < imu.samples[i - 1].timestamp_ns))
             __builtin_trap();
+    const auto position = divemesh::video::gps_position_of({{0, duration_ns, bytes}});
+    if (position && !position->position.is_valid()) __builtin_trap();
     return 0;
 }

@@ -132,6 +132,7 @@ RigFiles assemble_rig(const CalibrationParts& parts,
     check_names(right);
     place(left, right, parts.T_cam1_cam0);
     RigFiles rig;
+    rig.imu_shift = parts.imu_shift;
     rig.cam0_yaml = dive::camera_yaml_text(left, {kComment});
     rig.cam1_yaml = dive::camera_yaml_text(right, {kComment});
     if (is_imu_known)

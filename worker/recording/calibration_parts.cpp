@@ -34,6 +34,7 @@ void add_parts(CalibrationParts parts, const std::filesystem::path& file, Calibr
     take(parts.right, all.right, "the right camera", file);
     take(parts.T_cam1_cam0, all.T_cam1_cam0, "where the cameras are", file);
     take(parts.imu, all.imu, "the noise of the IMU", file);
+    take(parts.imu_shift, all.imu_shift, "the clock of the IMU", file);
     std::move(parts.unsided.begin(), parts.unsided.end(), std::back_inserter(all.unsided));
     std::move(parts.infos.begin(), parts.infos.end(), std::back_inserter(all.infos));
 }

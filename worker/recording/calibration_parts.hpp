@@ -27,6 +27,7 @@ struct CalibrationParts {
     std::vector<dive::SensorYaml> unsided;  // cameras of which the order of files tells the side
     std::optional<Eigen::Matrix4d> T_cam1_cam0;
     std::optional<dive::SensorYaml> imu;
+    std::optional<ImuShift> imu_shift;
     std::vector<CameraInfo> infos;  // of ROS, in the order of files
 };
 

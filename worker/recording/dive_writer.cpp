@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <fcntl.h>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -58,6 +59,9 @@ void sync_disk_of(const fs::path& folder) {
                     "cannot write " + folder.string() + " to the disk: check the disk");
 }
 
+// Returns an angle to a centimetre on the ground.
+double rounded_deg(double angle_deg) { return std::round(angle_deg * 1e7) / 1e7; }
+
 std::string dive_json(const Provenance& provenance) {
     nlohmann::json files = nlohmann::json::array();
     for (const ImportedFile& file : provenance.files) {
@@ -68,6 +72,9 @@ std::string dive_json(const Provenance& provenance) {
     nlohmann::json info = {
         {"imported_from", {{"files", std::move(files)}, {"findings", provenance.findings}}}};
     if (!provenance.name.empty()) info["name"] = provenance.name;
+    if (provenance.position)
+        info["position"] = {{"latitude_deg", rounded_deg(provenance.position->latitude_deg)},
+                            {"longitude_deg", rounded_deg(provenance.position->longitude_deg)}};
     return info.dump(1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
@@ -96,6 +103,16 @@ bool DiveWriter::add_image(Side side, std::int64_t timestamp_ns, const ImageFile
                      image.bytes,
                      base::Durability::Unsynced);
     return true;
+}
+
+void DiveWriter::move_imu(std::int64_t by_ns) {
+    std::vector<types::ImuSample> moved;
+    moved.reserve(imu_.size());
+    for (types::ImuSample sample : imu_)
+        if (!__builtin_add_overflow(sample.timestamp_ns, by_ns, &sample.timestamp_ns) &&
+            sample.timestamp_ns >= 0)
+            moved.push_back(sample);
+    imu_ = std::move(moved);
 }
 
 std::int64_t DiveWriter::num_images(Side side) const {

@@ -30,6 +30,9 @@ public:
     // Writes an image; returns false for a second one of the same time, which is left out.
     bool add_image(Side side, std::int64_t timestamp_ns, const ImageFile& image);
     void add_imu(const types::ImuSample& sample) { imu_.push_back(sample); }
+    // Adds to the times of all IMU rows that there are; one that no time is
+    // left for, as before 1970, is left out.
+    void move_imu(std::int64_t by_ns);
     void add_pressure(const types::PressureSample& sample) { pressure_.push_back(sample); }
     std::int64_t num_images(Side side) const;
     std::int64_t num_imu() const { return std::ssize(imu_); }

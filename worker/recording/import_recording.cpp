@@ -7,6 +7,7 @@
 #include "worker/dive/image.hpp"
 #include "worker/recording/bag_folder.hpp"
 #include "worker/recording/dive_writer.hpp"
+#include "worker/recording/imu_clock.hpp"
 #include "worker/recording/message_sorter.hpp"
 #include "worker/recording/provenance.hpp"
 #include "worker/video/access_unit_decoder.hpp"
@@ -88,6 +89,7 @@ ImportCounts RecordingImport::write(const base::ProgressCallback& progress) {
         sorter.add(*message);
     }
     sorter.finish();
+    apply_imu_shift(rig, writer, findings_);
     if (writer.num_images(Side::Left) == 0 || writer.num_images(Side::Right) == 0)
         throw Error(ErrorCode::BadData,
                     "no image of one of the cameras can be read" +

@@ -7,6 +7,7 @@
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "worker/dive/entry_name.hpp"
+#include "worker/recording/imu_clock.hpp"
 #include "worker/recording/layout_rig.hpp"
 #include "worker/recording/layout_sensors.hpp"
 
@@ -180,6 +181,7 @@ void StillsImport::add_sensors(const RigFiles& rig, DiveWriter& writer) {
                           "the IMU is left out: where it is relative to the cameras is not known",
                           "State it by --calibration: T_BS of both cameras relative to the IMU.");
     add_layout_sensors(folders_, *folder, rig, writer, findings_);
+    apply_imu_shift(rig, writer, findings_);
 }
 
 }  // namespace divemesh::recording

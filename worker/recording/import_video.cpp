@@ -10,9 +10,13 @@
 #include "worker/base/part_of.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
+#include "worker/recording/imu_clock.hpp"
 #include "worker/recording/input_file.hpp"
 #include "worker/recording/provenance.hpp"
+#include "worker/recording/read_video.hpp"
+#include "worker/video/chapter_files.hpp"
 #include "worker/video/find_offset.hpp"
+#include "worker/video/gpmf_gps.hpp"
 #include "worker/video/gpmf_imu.hpp"
 
 namespace divemesh::recording {
@@ -36,8 +40,6 @@ std::string size_text(std::int64_t width_px, std::int64_t height_px) {
     return text + " px";
 }
 
-std::string name_of(const video::IndexedVideo& video) { return video.path.filename().string(); }
-
 }  // namespace
 
 bool is_video_file(const std::filesystem::path& path) {
@@ -52,8 +54,7 @@ VideoImport::VideoImport(VideoImportOptions options, const base::ProgressCallbac
     for (const auto& path : options_.videos) {
         const double begin = part * static_cast<double>(videos_.size());
         videos_.push_back(
-            {path, video::read_index(path, base::part_of(progress, begin, begin + part))});
-        report_video(videos_.back());
+            read_video(path, findings_, base::part_of(progress, begin, begin + part)));
     }
     rig_ = options_.is_uncalibrated
                ? uncalibrated_rig(image_size(videos_.front()), image_size(videos_.back()))
@@ -88,6 +89,10 @@ void VideoImport::check_options() const {
     if (options_.offset_s && is_one_file)
         fail(ErrorCode::InvalidArgument,
              "--offset is between two videos: both cameras of this one have the same clock");
+    if (!is_one_file && video::are_chapters_of_one(options_.videos[0], options_.videos[1]))
+        fail(ErrorCode::InvalidArgument,
+             "both videos are chapters of one recording by their names, not of a left and a right "
+             "camera: give the first chapter of each camera; those after it are joined");
 }
 
 // Returns the size of the images of one camera in a video.
@@ -107,48 +112,11 @@ void VideoImport::check_sizes() const {
         if (size.width_px == calibrated->width_px && size.height_px == calibrated->height_px)
             continue;
         fail(ErrorCode::InvalidArgument,
-             name_of(video) + " has " + side + " images of " +
+             video.name() + " has " + side + " images of " +
                  size_text(size.width_px, size.height_px) + ", the calibration is for " +
                  size_text(calibrated->width_px, calibrated->height_px) +
                  ": state that of these images by --calibration");
     }
-}
-
-void VideoImport::report_video(const video::IndexedVideo& video) {
-    const std::string name = name_of(video);
-    const video::VideoIndex& index = video.index;
-    if (index.is_cut)
-        findings_.warning("recording_cut",
-                          name,
-                          "the video ends at " +
-                              base::fixed(base::to_s(index.stamps_ns.back()), 1) + " s, though " +
-                              "it states " + base::fixed(index.traits.duration_s, 1) +
-                              " s; what is before is used",
-                          "Copy it again if the original is longer.");
-    if (index.num_repeated > 0)
-        findings_.warning("image_repeated",
-                          name,
-                          std::to_string(index.num_repeated) +
-                              " frames have the stamp of another one, and are left out",
-                          "");
-    if (index.num_unstamped > 0)
-        findings_.warning(
-            "stamp_missing",
-            name,
-            std::to_string(index.num_unstamped) + " frames have no stamp, and are left out",
-            "");
-    if (index.traits.rotation_deg != 0)
-        findings_.info("video_rotated",
-                       name,
-                       "images are turned by " + std::to_string(index.traits.rotation_deg) +
-                           " degrees clockwise, as the video states; the calibration has to be of "
-                           "such images");
-    if (index.traits.is_interlaced)
-        findings_.warning("images_interlaced",
-                          name,
-                          "the video is interlaced: each image holds two times, and is used as it "
-                          "is",
-                          "Record progressive images.");
 }
 
 ImportCounts VideoImport::write(const base::ProgressCallback& progress) {
@@ -160,10 +128,14 @@ ImportCounts VideoImport::write(const base::ProgressCallback& progress) {
     if (writer.num_images(Side::Left) == 0)
         fail(ErrorCode::BadData, "no image of the videos can be decoded: copy them again");
     write_imu(clock, writer);
-    Provenance provenance{
-        .name = options_.videos.front().stem().string(), .files = {}, .findings = findings()};
+    const auto position = find_position();
+    Provenance provenance{.name = options_.videos.front().stem().string(),
+                          .files = {},
+                          .findings = findings(),
+                          .position = position};
     for (const auto& video : videos_)
-        provenance.files.push_back(imported_file(name_of(video), {video.path}));
+        for (const video::VideoPart& part : video.parts)
+            provenance.files.push_back(imported_file(part.path.filename().string(), {part.path}));
     writer.commit(rig_, provenance);
     return {writer.num_images(Side::Left), writer.num_images(Side::Right), writer.num_imu(), 0};
 }
@@ -189,7 +161,7 @@ std::vector<video::PlannedPair> VideoImport::plan(const video::ClockOffset& cloc
         base::to_s(left_ns.back() - left_ns.front() - pairs.back().left_ns + pairs.front().left_ns);
     if (unpaired_s > kReportedUnpaired_s && options_.layout == VideoLayout::TwoFiles)
         findings_.info("video_unpaired",
-                       name_of(videos_.front()),
+                       videos_.front().name(),
                        base::fixed(unpaired_s, 1) +
                            " s of this video are before or after the other one, and are left out");
     return pairs;
@@ -201,7 +173,7 @@ void VideoImport::report_gaps(const std::vector<video::PlannedPair>& pairs,
     if (options_.layout != VideoLayout::TwoFiles) return;
     const video::PairTimes between = video::times_between(pairs, clock);
     findings_.info("video_gaps",
-                   name_of(videos_.back()),
+                   videos_.back().name(),
                    "the frames of a pair are " + base::fixed(1e3 * between.median_s, 1) +
                        " ms apart in the median, and " + base::fixed(1e3 * between.max_s, 1) +
                        " ms at most");
@@ -219,7 +191,7 @@ void VideoImport::write_pairs(const std::vector<video::PlannedPair>& pairs,
                               const video::ClockOffset& clock,
                               DiveWriter& writer,
                               const base::ProgressCallback& progress) {
-    PairedVideo paired(options_.videos, options_.layout, pairs);
+    PairedVideo paired(videos_, options_.layout, pairs);
     std::vector<VideoPair> batch;
     const std::int64_t pair_bytes =
         3 * (rig_.cam0.camera.width_px * std::int64_t{rig_.cam0.camera.height_px} +
@@ -239,7 +211,7 @@ void VideoImport::write_pairs(const std::vector<video::PlannedPair>& pairs,
     write_batch(batch, clock, writer);
     if (num_damaged > 0)
         findings_.warning("frames_damaged",
-                          name_of(videos_.front()),
+                          videos_.front().name(),
                           std::to_string(num_damaged) + " of " + std::to_string(pairs.size()) +
                               " pairs have a frame that cannot be decoded, and are left out",
                           "Copy the videos again.");
@@ -272,14 +244,14 @@ void VideoImport::write_imu(const video::ClockOffset& clock, DiveWriter& writer)
     const video::GpmfImu imu = video::imu_of(video.index.gpmf);
     if (imu.is_damaged)
         findings_.warning("telemetry_damaged",
-                          name_of(video),
+                          video.name(),
                           "a part of the telemetry is damaged, and is left out",
                           "Copy the video again.");
     if (imu.samples.empty()) return;
     if (!rig_.imu_yaml)
         return findings_.warning(
             "imu_left_out",
-            name_of(video),
+            video.name(),
             "the IMU is left out: where it is relative to the cameras is not known",
             "State it by --calibration: T_BS of both cameras relative to the IMU.");
     for (types::ImuSample sample : imu.samples) {
@@ -287,6 +259,28 @@ void VideoImport::write_imu(const video::ClockOffset& clock, DiveWriter& writer)
         sample.timestamp_ns += start_ns();
         if (sample.timestamp_ns > 0) writer.add_imu(sample);
     }
+    apply_imu_shift(rig_, writer, findings_);
+}
+
+// Returns where the left camera was by the GPS of its telemetry, or the right one if it alone
+// knows.
+std::optional<types::GeographicPosition> VideoImport::find_position() {
+    constexpr int kDecimals = 6;  // of degrees: a tenth of a metre
+    for (const video::IndexedVideo& video : videos_) {
+        const auto found = video::gps_position_of(video.index.gpmf);
+        if (!found) continue;
+        findings_.info("position_by_gps",
+                       video.name(),
+                       "the position of the dive is latitude " +
+                           base::fixed(found->position.latitude_deg, kDecimals) + ", longitude " +
+                           base::fixed(found->position.longitude_deg, kDecimals) +
+                           ", the median of " + std::to_string(found->num_fixes) +
+                           " fixes by the camera's GPS at the surface; half of them are within " +
+                           base::fixed(found->scatter_m, 1) + " m of it, 95 % within " +
+                           base::fixed(found->spread_m, 1) + " m");
+        return found->position;
+    }
+    return std::nullopt;
 }
 
 }  // namespace divemesh::recording

@@ -12,12 +12,13 @@
 #include "worker/recording/image_size.hpp"
 #include "worker/recording/import_recording.hpp"
 #include "worker/recording/paired_video.hpp"
-#include "worker/video/video_index.hpp"
+#include "worker/video/indexed_video.hpp"
 
 namespace divemesh::recording {
 
 struct VideoImportOptions {
-    std::vector<std::filesystem::path> videos;  // left and right, or one of both
+    // Left and right, or one of both. Of chapters the first one: those after it are found.
+    std::vector<std::filesystem::path> videos;
     VideoLayout layout = VideoLayout::TwoFiles;
     double rate_hz = 10.0;           // pairs a second: a diver moves a tenth of the view in between
     std::optional<double> offset_s;  // of a moment: its time in the left video minus in the right
@@ -36,7 +37,7 @@ bool is_video_file(const std::filesystem::path& path);
 class VideoImport {
 public:
     // Reads both videos without decoding them. Throws Error{InvalidArgument} if the options
-    // contradict the videos, and as read_index() and read_rig() do.
+    // contradict the videos, and as read_video() and read_rig() do.
     VideoImport(VideoImportOptions options, const base::ProgressCallback& progress);
 
     const std::vector<video::IndexedVideo>& videos() const { return videos_; }
@@ -51,7 +52,6 @@ private:
     void check_sizes() const;
     ImageSize image_size(const video::IndexedVideo& video) const;
     RigHints hints() const;
-    void report_video(const video::IndexedVideo& video);
     video::ClockOffset find_clock(const base::ProgressCallback& progress);
     std::vector<video::PlannedPair> plan(const video::ClockOffset& clock);
     void report_gaps(const std::vector<video::PlannedPair>& pairs, const video::ClockOffset& clock);
@@ -63,6 +63,7 @@ private:
                      const video::ClockOffset& clock,
                      DiveWriter& writer) const;
     void write_imu(const video::ClockOffset& clock, DiveWriter& writer);
+    std::optional<types::GeographicPosition> find_position();
     std::int64_t start_ns() const;
 
     VideoImportOptions options_;

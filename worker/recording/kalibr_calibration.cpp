@@ -10,8 +10,8 @@ namespace divemesh::recording {
 namespace {
 
 constexpr std::size_t kMaxCameras = 16;
-// The range in which reconstruction searches the time offset of the IMU.
-constexpr double kSearched_s = 0.07;
+constexpr double kMaxShift_s = 1e6;
+constexpr double kMaxBetween_s = 1e-3;  // shifts of cameras that are triggered together
 
 std::string camera_name(std::size_t index) { return "cam" + std::to_string(index); }
 
@@ -80,22 +80,31 @@ std::optional<Eigen::Matrix4d> T_right_left(const YAML::Node& root,
     return rigid_transform(*T_left_right, "the chain of " + file).inverse().matrix();
 }
 
-void report_time_offset(const YAML::Node& camera,
-                        const std::string& file,
-                        dive::FindingLog& findings) {
-    const auto shift_s = dive::number_at(camera, "timeshift_cam_imu");
-    if (!shift_s || *shift_s == 0.0) return;
-    const std::string stated =
-        "the calibration states timeshift_cam_imu = " + base::significant(*shift_s * 1e3) +
-        " ms; it is not applied";
-    if (std::abs(*shift_s) <= kSearched_s)
-        return findings.info("calibration_time_offset",
-                             file,
-                             stated + ": reconstruction finds it from the dive itself");
-    findings.warning("calibration_time_offset",
-                     file,
-                     stated + " and too large to be found from the dive itself",
-                     "Add it to the camera's timestamps (t_imu = t_cam + timeshift_cam_imu).");
+double shift_of(const YAML::Node& camera, const std::string& file) {
+    const double shift_s = dive::number_at(camera, "timeshift_cam_imu").value_or(0.0);
+    if (!(std::abs(shift_s) <= kMaxShift_s))
+        throw Error(ErrorCode::BadData,
+                    file + " states a timeshift_cam_imu of " + base::significant(shift_s) +
+                        " s, which no clock is off by: check the file");
+    return shift_s;
+}
+
+// Returns how the clocks of the left camera and the IMU differ; nullopt if they do not.
+std::optional<ImuShift> imu_shift(const YAML::Node& left,
+                                  const YAML::Node& right,
+                                  const std::string& file,
+                                  dive::FindingLog& findings) {
+    const double left_s = shift_of(left, file);
+    const double right_s = shift_of(right, file);
+    if (right["timeshift_cam_imu"] && std::abs(left_s - right_s) > kMaxBetween_s)
+        findings.info("calibration_time_offsets_differ",
+                      file,
+                      "timeshift_cam_imu is " + base::significant(left_s * 1e3) +
+                          " ms of the left camera and " + base::significant(right_s * 1e3) +
+                          " ms of the right one, so they were not triggered together; that of the "
+                          "left one counts");
+    if (left_s == 0.0) return std::nullopt;
+    return ImuShift{left_s, file};
 }
 
 }  // namespace
@@ -124,7 +133,7 @@ CalibrationParts read_kalibr_chain(const YAML::Node& root,
     parts.left = read_camera(camera_at(root, left), camera_name(left) + " in " + file);
     parts.right = read_camera(camera_at(root, right), camera_name(right) + " in " + file);
     parts.T_cam1_cam0 = T_right_left(root, left, right, file);
-    report_time_offset(camera_at(root, left), file, findings);
+    parts.imu_shift = imu_shift(camera_at(root, left), camera_at(root, right), file, findings);
     return parts;
 }
 

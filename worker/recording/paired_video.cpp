@@ -27,17 +27,17 @@ std::vector<std::int64_t> stamps_of(const std::vector<video::PlannedPair>& plan,
 
 }  // namespace
 
-PairedVideo::PairedVideo(const std::vector<std::filesystem::path>& videos,
+PairedVideo::PairedVideo(const std::vector<video::IndexedVideo>& videos,
                          VideoLayout layout,
                          const std::vector<video::PlannedPair>& plan)
     : layout_(layout) {
     const auto stored_jpeg =
         layout == VideoLayout::TwoFiles ? video::StoredJpeg::Kept : video::StoredJpeg::Decoded;
-    left_ = std::make_unique<video::VideoReader>(
-        videos.front(), stamps_of(plan, &video::PlannedPair::left_ns), stored_jpeg);
+    left_ = std::make_unique<video::JoinedReader>(
+        videos.front().parts, stamps_of(plan, &video::PlannedPair::left_ns), stored_jpeg);
     if (layout == VideoLayout::TwoFiles)
-        right_ = std::make_unique<video::VideoReader>(
-            videos.back(), stamps_of(plan, &video::PlannedPair::right_ns), stored_jpeg);
+        right_ = std::make_unique<video::JoinedReader>(
+            videos.back().parts, stamps_of(plan, &video::PlannedPair::right_ns), stored_jpeg);
 }
 
 std::optional<VideoPair> PairedVideo::at(const video::PlannedPair& pair) {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "worker/recording/image_file.hpp"
+#include "worker/video/joined_reader.hpp"
 #include "worker/video/plan_pairs.hpp"
-#include "worker/video/video_reader.hpp"
 
 namespace divemesh::recording {
 
@@ -27,18 +27,19 @@ struct VideoPair {
 // Reads pairs of one video or two.
 class PairedVideo {
 public:
-    // `videos` are one, or two for VideoLayout::TwoFiles. Throws as VideoReader does.
-    PairedVideo(const std::vector<std::filesystem::path>& videos,
+    // `videos` are one, or two for VideoLayout::TwoFiles. Throws as JoinedReader does.
+    PairedVideo(const std::vector<video::IndexedVideo>& videos,
                 VideoLayout layout,
                 const std::vector<video::PlannedPair>& plan);
 
     // Returns a pair of the plan, later than the last; nullopt if one of its frames is damaged.
+    // Throws as JoinedReader does.
     std::optional<VideoPair> at(const video::PlannedPair& pair);
 
 private:
     VideoLayout layout_;
-    std::unique_ptr<video::VideoReader> left_;
-    std::unique_ptr<video::VideoReader> right_;  // nullptr: both are in the left one
+    std::unique_ptr<video::JoinedReader> left_;
+    std::unique_ptr<video::JoinedReader> right_;  // nullptr: both are in the left one
 };
 
 // Returns a frame as a file: the JPEG that it is stored as, or a PNG of its pixels.

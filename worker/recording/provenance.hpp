@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "schemas/finding.hpp"
+#include "worker/types/geographic_position.hpp"
 
 namespace divemesh::recording {
 
@@ -21,6 +23,7 @@ struct Provenance {
     std::string name;  // of the dive; "": it has none
     std::vector<ImportedFile> files;
     std::vector<Finding> findings;  // which the dive tells whenever it is opened
+    std::optional<types::GeographicPosition> position;  // where it was
 };
 
 // Reads files whole for their hash, which is that of their bytes after each other; `name` is that

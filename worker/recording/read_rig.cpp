@@ -13,6 +13,7 @@
 #include "worker/recording/input_file.hpp"
 #include "worker/recording/kalibr_calibration.hpp"
 #include "worker/recording/kwiver_calibration.hpp"
+#include "worker/recording/matlab_calibration.hpp"
 #include "worker/recording/npz_file.hpp"
 #include "worker/recording/opencv_calibration.hpp"
 #include "worker/recording/opencv_xml.hpp"
@@ -27,7 +28,8 @@ constexpr std::size_t kMaxFiles = 8;
 constexpr const char* kFormats =
     "give the folder of a dive with sensor.yaml files, camchain.yaml and imu.yaml of Kalibr, "
     "intrinsics.yml and extrinsics.yml of OpenCV, camera_info of both cameras, calibration.json "
-    "or .npz of KWIVER, or cameras.txt of COLMAP (after the recording on the command line)";
+    "or .npz of KWIVER, .mat of Matlab, or cameras.txt of COLMAP (after the recording on the "
+    "command line)";
 
 [[noreturn]] void fail(const std::string& what) { throw Error(ErrorCode::BadData, what); }
 
@@ -64,6 +66,7 @@ CalibrationParts parts_of(std::string_view text,
                           const RigHints& hints,
                           dive::FindingLog& findings) {
     using enum dive::CalibrationProgram;
+    if (is_mat(text)) return read_matlab_calibration(parse_mat(text, file), file, hints, findings);
     if (is_npz(text)) return read_unnamed(parse_npz(text, file), file, hints, findings);
     const auto format = dive::foreign_calibration(text);
     if (format && format->program == Colmap) return read_colmap_cameras(text, file);

@@ -8,8 +8,8 @@
 namespace divemesh::recording {
 
 // Reads a calibration: the folder of a dive with sensor.yaml files, or files of Kalibr, OpenCV,
-// ROS, KWIVER and COLMAP, which together state a rig. Formats are told by what files hold, not by
-// their names. Throws Error{BadData} or Error{NotFound} with the reason and what to do.
+// ROS, KWIVER, Matlab and COLMAP, which together state a rig. Formats are told by what files hold,
+// not by their names. Throws Error{BadData} or Error{NotFound} with the reason and what to do.
 RigFiles read_rig(const std::vector<std::filesystem::path>& files,
                   dive::FindingLog& findings,
                   const RigHints& hints = {});

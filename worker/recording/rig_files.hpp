@@ -10,6 +10,12 @@
 
 namespace divemesh::recording {
 
+// How the clock of the IMU differs from that of the cameras: t_imu = t_cam + shift_s.
+struct ImuShift {
+    double shift_s = 0.0;
+    std::string file;  // that states it
+};
+
 // The calibration of a rig as files of a dive, and the cameras that they describe.
 struct RigFiles {
     std::string cam0_yaml;  // these two are empty while the rig is not calibrated
@@ -17,6 +23,7 @@ struct RigFiles {
     std::optional<std::string> imu_yaml;  // nullopt: where the IMU is, is not known
     dive::CalibratedCamera cam0;
     dive::CalibratedCamera cam1;
+    std::optional<ImuShift> imu_shift;  // nullopt: none is stated
 };
 
 // Returns a rig of which only the sizes of the images are known: that of a recording of a board.

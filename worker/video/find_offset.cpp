@@ -49,12 +49,12 @@ void report(const Witness& witness, const IndexedVideo& right, dive::FindingLog&
     if (clock.sigma_s > 0.0) text += " (+- " + base::fixed(2e3 * clock.sigma_s, 2) + " ms)";
     if (clock.drift != 0.0)
         text += ", and its clock gains " + base::fixed(1e6 * clock.drift, 1) + " parts per million";
-    findings.info("video_offset", right.path.filename().string(), text);
+    findings.info("video_offset", right.name(), text);
 }
 
 void report_unknown(const IndexedVideo& right, dive::FindingLog& findings) {
     findings.warning("video_offset_unknown",
-                     right.path.filename().string(),
+                     right.name(),
                      "neither sound, nor motion, nor the files' own times tell when this video "
                      "began: both are taken to begin together",
                      "State the difference by --offset: the time of a flash or a clap in the left "
@@ -67,7 +67,7 @@ void report_contradiction(const ClockOffset& heard,
                           dive::FindingLog& findings) {
     if (std::abs(heard.offset_s - stated.offset_s) < kContradiction_s) return;
     findings.warning("video_offset_contradicted",
-                     right.path.filename().string(),
+                     right.name(),
                      "the times at which the files were created say " +
                          seconds_text(stated.offset_s) + ", the sound says " +
                          seconds_text(heard.offset_s) + ", which is used",
@@ -87,8 +87,8 @@ ClockOffset find_offset(const IndexedVideo& left,
         return true;
     };
     if (stated_s) return {*stated_s, 0.0, 0.0};
-    const auto heard = offset_by_sound(read_sound(left.path, kMaxSound_s, progress),
-                                       read_sound(right.path, kMaxSound_s, progress));
+    const auto heard = offset_by_sound(read_sound(left.parts, kMaxSound_s, progress),
+                                       read_sound(right.parts, kMaxSound_s, progress));
     const auto created = offset_by_creation(left.index.traits, right.index.traits);
     if (heard && created) report_contradiction(*heard, *created, right, findings);
     if (taken(heard, "what both cameras heard")) return *heard;

@@ -5,7 +5,7 @@
 #include "worker/base/observer.hpp"
 #include "worker/dive/finding_log.hpp"
 #include "worker/video/clock_offset.hpp"
-#include "worker/video/video_index.hpp"
+#include "worker/video/indexed_video.hpp"
 
 namespace divemesh::video {
 

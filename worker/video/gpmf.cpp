@@ -1,104 +1,12 @@
 #include "worker/video/gpmf.hpp"
 
-#include <algorithm>
-#include <bit>
+#include "worker/video/gpmf_klv.hpp"
 
 namespace divemesh::video {
 namespace {
 
-constexpr int kMaxDepth = 8;  // DEVC, STRM and what they hold
-constexpr std::size_t kHead_bytes = 8;
 constexpr std::size_t kAxes = 3;
 constexpr std::string_view kDefaultAxes = "ZXY";  // of the HERO5, which states none
-
-std::uint64_t big_endian(std::string_view bytes) {
-    std::uint64_t value = 0;
-    for (const char byte : bytes) value = value << 8U | static_cast<unsigned char>(byte);
-    return value;
-}
-
-// A key with its value.
-struct Klv {
-    std::string_view key;
-    char type = '\0';  // '\0': the value is a list of such keys
-    std::size_t sample_bytes = 0;
-    std::size_t num_samples = 0;
-    std::string_view value;
-};
-
-// Takes keys from the front of a list.
-class KlvList {
-public:
-    explicit KlvList(std::string_view bytes) : bytes_(bytes) {}
-
-    std::optional<Klv> next() {
-        if (bytes_.size() < kHead_bytes) {
-            is_damaged_ = is_damaged_ || !bytes_.empty();
-            return std::nullopt;
-        }
-        Klv klv{bytes_.substr(0, 4),
-                bytes_[4],
-                static_cast<unsigned char>(bytes_[5]),
-                big_endian(bytes_.substr(6, 2)),
-                {}};
-        const std::size_t size = klv.sample_bytes * klv.num_samples;  // below 2^24
-        const std::size_t filled = (size + 3) / 4 * 4;
-        if (klv.key == std::string_view("\0\0\0\0", 4))
-            return std::nullopt;  // filled up to the end
-        if (size > bytes_.size() - kHead_bytes) {
-            is_damaged_ = true;
-            return std::nullopt;
-        }
-        klv.value = bytes_.substr(kHead_bytes, size);
-        bytes_.remove_prefix(std::min(kHead_bytes + filled, bytes_.size()));
-        return klv;
-    }
-
-    bool is_damaged() const { return is_damaged_; }
-
-private:
-    std::string_view bytes_;
-    bool is_damaged_ = false;
-};
-
-// clang-format off
-std::size_t size_of_type(char type) {
-    switch (type) {
-        case 'b': case 'B': case 'c': return 1;
-        case 's': case 'S': return 2;
-        case 'l': case 'L': case 'f': case 'q': return 4;
-        case 'd': case 'j': case 'J': case 'Q': return 8;
-        default: return 0;
-    }
-}
-// clang-format on
-
-// Returns a number of a type for which size_of_type() is not 0.
-double number_of(char type, std::string_view bytes) {
-    const std::uint64_t bits = big_endian(bytes);
-    switch (type) {
-        case 'b': return static_cast<std::int8_t>(bits);
-        case 's': return static_cast<std::int16_t>(bits);
-        case 'l': return static_cast<std::int32_t>(bits);
-        case 'j': return static_cast<double>(static_cast<std::int64_t>(bits));
-        case 'q': return static_cast<std::int32_t>(bits) / 65536.0;
-        case 'Q': return static_cast<double>(static_cast<std::int64_t>(bits)) / 4294967296.0;
-        case 'f': return std::bit_cast<float>(static_cast<std::uint32_t>(bits));
-        case 'd': return std::bit_cast<double>(bits);
-        default: return static_cast<double>(bits);
-    }
-}
-
-// Returns all numbers of a value, whatever its samples; none for a type that is no number.
-std::vector<double> numbers_of(const Klv& klv) {
-    const std::size_t size = size_of_type(klv.type);
-    std::vector<double> numbers;
-    if (size == 0 || klv.sample_bytes % size != 0) return numbers;
-    numbers.reserve(klv.value.size() / size);
-    for (std::size_t at = 0; at + size <= klv.value.size(); at += size)
-        numbers.push_back(number_of(klv.type, klv.value.substr(at, size)));
-    return numbers;
-}
 
 // What a stream states about the samples that follow.
 struct StreamState {
@@ -151,7 +59,7 @@ void read_list(std::string_view bytes, int depth, GpmfMotion& motion) {
     StreamState state;
     while (const auto klv = list.next()) {
         if (klv->type == '\0') {
-            if (depth < kMaxDepth) read_list(klv->value, depth + 1, motion);
+            if (depth < kMaxKlvDepth) read_list(klv->value, depth + 1, motion);
         } else if (klv->key == "SCAL") {
             state.scale = numbers_of(*klv);
         } else if (klv->key == "ORIN") {

@@ -6,8 +6,8 @@
 #include "worker/base/part_of.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/dive/motion_profile.hpp"
+#include "worker/video/joined_reader.hpp"
 #include "worker/video/plan_pairs.hpp"
-#include "worker/video/video_reader.hpp"
 
 namespace divemesh::video {
 namespace {
@@ -27,7 +27,7 @@ std::vector<std::int64_t> compared_stamps_ns(const VideoIndex& index) {
 
 dive::MotionProfile profile_of(const IndexedVideo& video, const base::ProgressCallback& progress) {
     const auto stamps_ns = compared_stamps_ns(video.index);
-    VideoReader reader(video.path, stamps_ns, StoredJpeg::Decoded);
+    JoinedReader reader(video.parts, stamps_ns, StoredJpeg::Decoded);
     return dive::motion_profile(stamps_ns, 0, [&](std::size_t i) {
         progress({"motion", static_cast<double>(i) / static_cast<double>(stamps_ns.size())});
         const auto frame = reader.at(stamps_ns[i]);

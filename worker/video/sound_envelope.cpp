@@ -44,14 +44,15 @@ public:
     explicit LoudnessBins(double max_s) : max_bins_(max_s / SoundEnvelope::kBin_s) {}
 
     // Returns false once the sound is as long as it may be.
-    bool add(const AVFrame& frame, const AVStream& stream) {
+    bool add(const AVFrame& frame, const AVStream& stream, std::int64_t offset_ns) {
         const auto stamp = stamp_ns(frame.best_effort_timestamp, stream);
         const int num_channels = frame.ch_layout.nb_channels;
         if (!stamp || num_channels < 1 || frame.sample_rate < kMinRate_hz ||
             frame.sample_rate > kMaxRate_hz)
             return true;
-        if (!start_s_) start_s_ = base::to_s(*stamp);
-        const double first = (base::to_s(*stamp) - *start_s_) / SoundEnvelope::kBin_s;
+        const double stamp_s = base::to_s(*stamp + offset_ns);
+        if (!start_s_) start_s_ = stamp_s;
+        const double first = (stamp_s - *start_s_) / SoundEnvelope::kBin_s;
         const double step = 1.0 / (frame.sample_rate * SoundEnvelope::kBin_s);
         for (int i = 0; i < frame.nb_samples; ++i) {
             float mean = 0.0F;
@@ -86,41 +87,54 @@ private:
 };
 
 // Passes on all that the decoder has ready; returns false once there is enough.
-bool drain(AVCodecContext& codec, AVFrame& frame, const AVStream& stream, LoudnessBins& bins) {
+bool drain(AVCodecContext& codec,
+           AVFrame& frame,
+           const AVStream& stream,
+           std::int64_t offset_ns,
+           LoudnessBins& bins) {
     while (avcodec_receive_frame(&codec, &frame) >= 0)
-        if (!bins.add(frame, stream)) return false;
+        if (!bins.add(frame, stream, offset_ns)) return false;
     return true;
 }
 
-}  // namespace
-
-SoundEnvelope read_sound(const std::filesystem::path& path,
-                         double max_s,
-                         const base::ProgressCallback& progress) {
-    VideoFile file(path);
-    if (file.audio() == nullptr) return {};
+// Adds the sound of a file, if it has one; returns false once there is enough.
+bool add_sound(const VideoPart& part,
+               double max_s,
+               LoudnessBins& bins,
+               const base::ProgressCallback& progress) {
+    VideoFile file(part.path);
+    if (file.audio() == nullptr) return true;
     file.read_only({file.audio()});
     CodecHandle codec;
     try {
         codec = open_decoder(*file.audio(), kThreads);
     } catch (const Error&) {
-        return {};  // the images are what matters
+        return true;  // the images are what matters
     }
     const PacketHandle packet = new_packet();
     const FrameHandle frame = new_frame();
-    LoudnessBins bins(max_s);
     bool is_short = true;
     while (is_short && file.next(*packet)) {
         if (packet->stream_index != file.audio()->index) continue;
         const auto stamp = stamp_ns(*packet, *file.audio());
-        progress({"sound", std::clamp(stamp ? base::to_s(*stamp) / max_s : 0.0, 0.0, 1.0)});
+        const double passed_s = base::to_s(stamp.value_or(0) + part.offset_ns);
+        progress({"sound", std::clamp(passed_s / max_s, 0.0, 1.0)});
         avcodec_send_packet(codec.get(), packet.get());
-        is_short = drain(*codec, *frame, *file.audio(), bins);
+        is_short = drain(*codec, *frame, *file.audio(), part.offset_ns, bins);
     }
-    if (is_short) {
-        avcodec_send_packet(codec.get(), nullptr);
-        drain(*codec, *frame, *file.audio(), bins);
-    }
+    if (!is_short) return false;
+    avcodec_send_packet(codec.get(), nullptr);
+    return drain(*codec, *frame, *file.audio(), part.offset_ns, bins);
+}
+
+}  // namespace
+
+SoundEnvelope read_sound(const std::vector<VideoPart>& parts,
+                         double max_s,
+                         const base::ProgressCallback& progress) {
+    LoudnessBins bins(max_s);
+    for (const VideoPart& part : parts)
+        if (!add_sound(part, max_s, bins, progress)) break;
     return bins.envelope();
 }
 

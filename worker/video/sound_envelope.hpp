@@ -1,9 +1,9 @@
 #pragma once
 
-#include <filesystem>
 #include <vector>
 
 #include "worker/base/observer.hpp"
+#include "worker/video/indexed_video.hpp"
 
 namespace divemesh::video {
 
@@ -19,7 +19,7 @@ struct SoundEnvelope {
 
 // Returns the first `max_s` of a video's sound; nothing if it has none that can be decoded. Throws
 // as VideoFile does.
-SoundEnvelope read_sound(const std::filesystem::path& path,
+SoundEnvelope read_sound(const std::vector<VideoPart>& parts,
                          double max_s,
                          const base::ProgressCallback& progress);
 

@@ -14,12 +14,13 @@ constexpr std::size_t kMaxTelemetry_bytes = std::size_t{1} << 28U;  // a GoPro w
 constexpr std::size_t kReportEvery = 256;                           // packets
 constexpr double kCut_s = 1.0;  // streams of a whole file end this near each other
 
-void check_size(bool is_too_large, const VideoFile& file) {
-    if (is_too_large)
-        throw Error(ErrorCode::TooLarge,
-                    file.path().string() +
-                        " holds more frames or telemetry than are read: cut "
-                        "it into parts");
+[[noreturn]] void fail_too_large(const std::filesystem::path& path) {
+    throw Error(ErrorCode::TooLarge,
+                path.string() + " holds more frames or telemetry than are read: cut it into parts");
+}
+
+std::size_t size_of(const GpmfPayload& payload) {
+    return payload.bytes.size() + sizeof(GpmfPayload);
 }
 
 void sort_stamps(VideoIndex& index) {
@@ -76,9 +77,8 @@ VideoIndex read_index(const std::filesystem::path& path, const base::ProgressCal
         if (num_packets++ % kReportEvery == 0) progress({"index", part_read(index)});
         const std::size_t before = index.gpmf.size();
         take(*packet, file, index);
-        if (index.gpmf.size() > before)
-            telemetry_bytes += index.gpmf.back().bytes.size() + sizeof(GpmfPayload);
-        check_size(num_packets > kMaxFrames || telemetry_bytes > kMaxTelemetry_bytes, file);
+        if (index.gpmf.size() > before) telemetry_bytes += size_of(index.gpmf.back());
+        if (num_packets > kMaxFrames || telemetry_bytes > kMaxTelemetry_bytes) fail_too_large(path);
     }
     sort_stamps(index);
     if (index.stamps_ns.empty())
@@ -87,6 +87,13 @@ VideoIndex read_index(const std::filesystem::path& path, const base::ProgressCal
     const double end_s = base::to_s(index.stamps_ns.back());
     index.is_cut = file.is_broken() || end_s + index.period_s() + kCut_s < index.traits.duration_s;
     return index;
+}
+
+void check_size(const VideoIndex& index, const std::filesystem::path& path) {
+    std::size_t telemetry_bytes = 0;
+    for (const GpmfPayload& payload : index.gpmf) telemetry_bytes += size_of(payload);
+    if (index.stamps_ns.size() > kMaxFrames || telemetry_bytes > kMaxTelemetry_bytes)
+        fail_too_large(path);
 }
 
 }  // namespace divemesh::video

@@ -23,14 +23,11 @@ struct VideoIndex {
     double period_s() const;  // median between frames; 0: fewer than two
 };
 
-// A video with what its index shows.
-struct IndexedVideo {
-    std::filesystem::path path;
-    VideoIndex index;
-};
-
 // Throws as VideoFile does, Error{BadData} if it holds no frame, and Error{TooLarge} if it holds
 // more frames or telemetry than any camera records in a week.
 VideoIndex read_index(const std::filesystem::path& path, const base::ProgressCallback& progress);
+
+// Throws Error{TooLarge}, which names the file that was read last, as read_index() does.
+void check_size(const VideoIndex& index, const std::filesystem::path& path);
 
 }  // namespace divemesh::video

@@ -287,6 +287,22 @@ TEST_F(ImportRecordingTest, CameraInfoOfRectifiedImagesGivesThePinholesOfP) {
     EXPECT_TRUE(rig.cam1.T_body_cam.linear().isIdentity(1e-15));
 }
 
+TEST_F(ImportRecordingTest, TheShiftOfKalibrPutsTheImuOnTheClockOfTheCameras) {
+    ImportOptions options = options_for(InfoPair().recording("image_raw"));
+    options.calibration = {folder_ / "camchain.yaml"};
+    std::ofstream(options.calibration[0]) << small_camchain("-0.004");
+    EXPECT_EQ(imported(options).num_imu, 1);
+    EXPECT_TRUE(has_code("calibration_time_offset"));
+    dive::FindingLog findings;
+    const auto imu =
+        dive::parse_imu(text_of(options.out / "mav0" / "imu0" / "data.csv"), "imu", findings);
+    EXPECT_EQ(imu.at(0).timestamp_ns, 2 + 4'000'000);
+    // A row that would be before 1970 is left out.
+    std::ofstream(options.calibration[0]) << small_camchain("0.004");
+    options.out = folder_ / "later";
+    EXPECT_EQ(imported(options).num_imu, 0);
+}
+
 TEST_F(ImportRecordingTest, ACalibrationWithoutASizeIsForTheRecordedImages) {
     ImportOptions options = options_for(InfoPair().recording("image_raw"));
     options.calibration = {folder_ / "rig.yml"};

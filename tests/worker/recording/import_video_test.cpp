@@ -6,103 +6,17 @@
 #include <fstream>
 #include <functional>
 #include <nlohmann/json.hpp>
-#include <opencv2/core.hpp>
-#include <opencv2/imgcodecs.hpp>
-#include <sstream>
 
 #include "schemas/error.hpp"
-#include "tests/worker/recording/import_fixture.hpp"
+#include "tests/worker/recording/import_video_fixture.hpp"
 #include "tests/worker/video/gpmf_writer.hpp"
-#include "tests/worker/video/video_writer.hpp"
+#include "worker/dive/dive_json.hpp"
 #include "worker/dive/sensor_tables.hpp"
 
 namespace divemesh::recording {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr std::int64_t kUnknownStart_ns = 1'000'000'000;
-
-std::string text_of(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
-    std::ostringstream text;
-    text << stream.rdbuf();
-    return text.str();
-}
-
-cv::Mat noise_image(int width_px, int height_px, int seed) {
-    cv::Mat image(height_px, width_px, CV_8UC3);
-    cv::RNG random(static_cast<std::uint64_t>(seed + 1));
-    random.fill(image, cv::RNG::UNIFORM, 0, 256);
-    return image;
-}
-
-class ImportVideoTest : public ImportFixture<VideoImport, VideoImportOptions> {
-protected:
-    ImportVideoTest() {
-        write_yaml("cam0", "0.0");
-        write_yaml("cam1", "0.1");
-    }
-
-    void write_yaml(const std::string& camera, const std::string& x_m) {
-        fs::create_directories(folder_ / "rig" / "mav0" / camera);
-        std::ofstream(folder_ / "rig" / "mav0" / camera / "sensor.yaml")
-            << "T_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, " << x_m
-            << ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\nresolution: [64, 48]\n"
-            << "camera_model: pinhole\nintrinsics: [60, 60, 32, 24]\n"
-            << "distortion_model: radial-tangential\ndistortion_coefficients: [0, 0, 0, 0]\n";
-    }
-
-    void write_imu_yaml() {
-        fs::create_directories(folder_ / "rig" / "mav0" / "imu0");
-        std::ofstream(folder_ / "rig" / "mav0" / "imu0" / "sensor.yaml")
-            << "T_BS:\n  cols: 4\n  rows: 4\n"
-            << "  data: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]\n"
-            << "gyroscope_noise_density: 1.0e-3\ngyroscope_random_walk: 1.0e-5\n"
-            << "accelerometer_noise_density: 1.0e-2\naccelerometer_random_walk: 1.0e-4\n";
-    }
-
-    // Writes images of a size, numbered from `seed` on, at times in ms.
-    fs::path written(const std::string& name,
-                     const std::vector<std::int64_t>& times_ms,
-                     int seed,
-                     video::WrittenVideo video = {},
-                     const std::vector<std::string>& payloads = {}) {
-        video::VideoWriter writer(folder_ / name, video);
-        for (std::size_t i = 0; i < payloads.size(); ++i)
-            writer.add_gpmf(payloads[i], static_cast<std::int64_t>(1000 * i), 1000);
-        for (std::size_t i = 0; i < times_ms.size(); ++i)
-            writer.add_frame(
-                noise_image(video.width_px, video.height_px, seed + static_cast<int>(i)),
-                times_ms[i]);
-        writer.finish();
-        return folder_ / name;
-    }
-
-    VideoImportOptions options_for(const std::vector<fs::path>& videos) const {
-        VideoImportOptions options;
-        options.videos = videos;
-        options.calibration = {folder_ / "rig"};
-        options.out = folder_ / "dive";
-        if (videos.size() == 2) options.offset_s = 0.0;
-        return options;
-    }
-
-    // Imports in place of an earlier dive.
-    ImportCounts imported(const VideoImportOptions& options) {
-        fs::remove_all(options.out);
-        return ImportFixture::imported(options);
-    }
-
-    // Expects an image of the dive to have the pixels of another one.
-    void expect_image(const char* camera, std::int64_t time_ns, const cv::Mat& truth) const {
-        const auto file =
-            folder_ / "dive" / "mav0" / camera / "data" / (std::to_string(time_ns) + ".png");
-        const cv::Mat image = cv::imread(file.string(), cv::IMREAD_UNCHANGED);
-        ASSERT_EQ(image.size(), truth.size()) << file;
-        EXPECT_EQ(cv::norm(image, truth, cv::NORM_INF), 0.0) << file;
-    }
-};
 
 TEST_F(ImportVideoTest, LosslessVideosAreDivesOfTheSamePixelsAtTheirTimes) {
     video::WrittenVideo left;
@@ -209,6 +123,63 @@ TEST_F(ImportVideoTest, TheTelemetryOfAGoProIsTheImu) {
     const auto later =
         dive::parse_imu(text_of(options.out / "mav0" / "imu0" / "data.csv"), "imu", findings);
     EXPECT_EQ(later.front().timestamp_ns - imu.front().timestamp_ns, 500'000'000);
+}
+
+TEST_F(ImportVideoTest, TheShiftOfKalibrPutsTheTelemetryOnTheClockOfTheImages) {
+    video::WrittenVideo gopro;
+    gopro.has_gpmf = true;
+    std::vector<int> numbers;
+    for (int i = 0; i < 200; ++i) numbers.insert(numbers.end(), {i + 1, 0, 0});
+    const std::string payload = video::device(video::sensor_stream("GYRO", 1, "XYZ", 200, numbers) +
+                                              video::sensor_stream("ACCL", 1, "XYZ", 200, numbers));
+    auto options = options_for(
+        {written("l.mov", {0, 100, 200}, 0, gopro, {payload}), written("r.mov", {0, 100, 200}, 9)});
+    options.calibration = {folder_ / "camchain.yaml"};
+    dive::FindingLog findings;
+    for (const auto& [shift, shift_ns] :
+         {std::pair("0.0123", 12'300'000), std::pair("-0.5", -500'000'000), std::pair("0.0", 0)}) {
+        std::ofstream(options.calibration[0]) << small_camchain(shift);
+        imported(options);
+        EXPECT_EQ(has_code("calibration_time_offset"), shift_ns != 0);
+        const auto imu =
+            dive::parse_imu(text_of(options.out / "mav0" / "imu0" / "data.csv"), "imu", findings);
+        ASSERT_GT(imu.size(), 190U);
+        EXPECT_EQ(imu[0].timestamp_ns, kUnknownStart_ns - shift_ns);
+    }
+    VideoImportOptions without = options;
+    without.imu = "none";
+    std::ofstream(options.calibration[0]) << small_camchain("0.1");
+    imported(without);
+    EXPECT_FALSE(has_code("calibration_time_offset"));
+}
+
+TEST_F(ImportVideoTest, FixesOfTheGpsAreThePositionOfTheDive) {
+    video::WrittenVideo gopro;
+    gopro.has_gpmf = true;
+    const std::string fixes =
+        video::gps5_stream(3, 150, {{13.1912, -59.6413}, {13.1913, -59.6413}, {13.1914, -59.6412}});
+    const std::string none = video::gps5_stream(0, 9999, {{0.0, 0.0}});
+    const auto left = written("l.mov", {0, 100}, 0, gopro, {video::device(fixes)});
+    const auto right = written("r.mov", {0, 100}, 9, gopro, {video::device(none)});
+    // The camera that has a fix states the position, and the dive reads it.
+    for (const auto& videos : {std::vector{left, right}, std::vector{right, left}}) {
+        imported(options_for(videos));
+        const std::string json = text_of(folder_ / "dive" / "dive.json");
+        dive::FindingLog findings;
+        const auto position = dive::parse_dive_info(json, findings).position;
+        ASSERT_TRUE(position);
+        EXPECT_EQ(position->latitude_deg, 13.1913);
+        EXPECT_EQ(position->longitude_deg, -59.6413);
+        EXPECT_FALSE(position->x_azimuth_deg);
+        ASSERT_TRUE(has_code("position_by_gps"));
+        EXPECT_EQ(findings.all().back().code, "position_by_gps");
+        EXPECT_NE(findings.all().back().message.find("median of 3 fixes"), std::string::npos);
+        EXPECT_NE(findings.all().back().message.find("within 11.1 m"), std::string::npos)
+            << findings.all().back().message;
+    }
+    imported(options_for({right, right}));
+    EXPECT_FALSE(has_code("position_by_gps"));
+    EXPECT_EQ(text_of(folder_ / "dive" / "dive.json").find("position"), std::string::npos);
 }
 
 TEST_F(ImportVideoTest, TheRateChoosesPairs) {

@@ -1,4 +1,5 @@
 #include "tests/worker/recording/calibration_files.hpp"
+#include "worker/recording/imu_clock.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -20,7 +21,6 @@ TEST_F(KalibrRigTest, AChainOfKalibrWithAnImuGivesTheInverseOfTCamImu) {
     const RigFiles rig = read({file("camchain-imucam.yaml", camchain_imucam()), file("i", imu)});
     expect_true_rig(rig);
     expect_true_mounting(rig);
-    EXPECT_TRUE(has_code("calibration_time_offset"));
     EXPECT_FALSE(has_code("imu_noise_assumed"));
     const auto yaml = dive::parse_sensor_yaml(rig.imu_yaml.value(), "imu", findings_).value();
     EXPECT_EQ(yaml.gyroscope_noise_density, 0.00017);
@@ -28,6 +28,23 @@ TEST_F(KalibrRigTest, AChainOfKalibrWithAnImuGivesTheInverseOfTCamImu) {
     EXPECT_EQ(yaml.accelerometer_noise_density, 0.0021);
     EXPECT_EQ(yaml.accelerometer_random_walk, 3.0e-05);
     EXPECT_TRUE(yaml.T_body_sensor->isIdentity());
+}
+
+TEST_F(KalibrRigTest, TheClockOfTheImuIsThatOfTheLeftCamera) {
+    const RigFiles rig = read({file("camchain-imucam.yaml", camchain_imucam())});
+    ASSERT_TRUE(rig.imu_shift);
+    EXPECT_EQ(rig.imu_shift->shift_s, -0.004);
+    EXPECT_FALSE(has_code("calibration_time_offset"));
+    report_unapplied_shift(rig, findings_);
+    EXPECT_TRUE(has_code("calibration_time_offset"));
+    EXPECT_FALSE(has_code("calibration_time_offsets_differ"));
+    std::string text = camchain_imucam();
+    text.replace(text.rfind("-0.004"), 6, "0.0125");
+    EXPECT_EQ(read({file("c", text)}).imu_shift->shift_s, -0.004);
+    EXPECT_TRUE(has_code("calibration_time_offsets_differ"));
+    text.replace(text.find("-0.004"), 6, "1.0e99");
+    EXPECT_NE(refusal_of({file("c", text)}).find("timeshift_cam_imu"), std::string::npos);
+    EXPECT_FALSE(read({file("c", camchain())}).imu_shift);
 }
 
 TEST_F(KalibrRigTest, OneTCamImuAndTheChainGiveTheSameRigAsBoth) {

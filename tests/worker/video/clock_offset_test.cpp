@@ -79,7 +79,7 @@ protected:
     }
 
     static IndexedVideo indexed(const fs::path& path) {
-        return {path, read_index(path, no_progress)};
+        return one_file(path, read_index(path, no_progress));
     }
 
     TemporaryFolder folder_;
@@ -118,7 +118,7 @@ TEST_F(ClockOffsetTest, SoundOfMinutesGivesTheDrift) {
         WrittenVideo video = with_sound("pcm_s16le");
         const auto path = written(
             "d.mov", video, scene.recorded(4.0 * side, 320.0, side * kDrift, 5 + side), 3, grey);
-        sounds[side] = read_sound(path, 1200.0, no_progress);
+        sounds[side] = read_sound({{path, 0, 0}}, 1200.0, no_progress);
     }
     const auto clock = offset_by_sound(sounds[0], sounds[1]);
     ASSERT_TRUE(clock);

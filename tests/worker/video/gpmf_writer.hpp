@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace divemesh::video {
@@ -35,6 +37,13 @@ inline std::string shorts(const std::vector<int>& values) {
     return bytes;
 }
 
+inline std::string longs(const std::vector<std::int64_t>& values) {
+    std::string bytes;
+    for (const std::int64_t value : values)
+        bytes += big_endian_bytes(static_cast<std::uint32_t>(value), 4);
+    return bytes;
+}
+
 // A list of keys as the value of one.
 inline std::string nested(const std::string& key, const std::string& list) {
     return klv(key, '\0', 4, list.size() / 4, list);
@@ -52,6 +61,24 @@ inline std::string sensor_stream(const std::string& key,
     list += klv("SCAL", 's', 2, 1, shorts({scale}));
     list += klv(key, 's', 6, values.size() / 3, shorts(values));
     return nested("STRM", list);
+}
+
+// A stream of GPS5 as a HERO5 writes it: latitude and longitude in 1e-7 degrees, altitude, speeds.
+inline std::string gps5_stream(unsigned lock,
+                               unsigned hundredths_of_dop,
+                               const std::vector<std::pair<double, double>>& fixes_deg) {
+    std::vector<std::int64_t> numbers;
+    for (const auto& [latitude_deg, longitude_deg] : fixes_deg)
+        numbers.insert(
+            numbers.end(),
+            {std::llround(1e7 * latitude_deg), std::llround(1e7 * longitude_deg), 12'345, 100, 12});
+    return nested("STRM",
+                  klv("STNM", 'c', 1, 6, "GPS (L") +
+                      klv("GPSF", 'L', 4, 1, big_endian_bytes(lock, 4)) +
+                      klv("GPSU", 'U', 16, 1, "260501101112.123") +
+                      klv("GPSP", 'S', 2, 1, big_endian_bytes(hundredths_of_dop, 2)) +
+                      klv("SCAL", 'l', 4, 5, longs({10'000'000, 10'000'000, 1000, 1000, 100})) +
+                      klv("GPS5", 'l', 20, fixes_deg.size(), longs(numbers)));
 }
 
 inline std::string device(const std::string& streams) {
