@@ -26,8 +26,7 @@ int calibrate(const CalibrateArguments& arguments, const Context& context) {
     board_calibration::CalibrationRequest request = arguments.request;
     request.scratch = scratch.path();
     request.links = Links::Follow;
-    if (arguments.model == "radial-tangential") request.model = types::Distortion::RadialTangential;
-    if (arguments.model == "equidistant") request.model = types::Distortion::Equidistant;
+    request.model = board_calibration::model_from_string(arguments.model);
     nlohmann::json document;
     {
         ProgressBar bar;
@@ -58,7 +57,7 @@ void add_calibrate(CLI::App& app, Context& context) {
     command->add_option("recording", request.recording, "dive (folder or archive; sensor.yaml may be missing), ROS bag or MCAP in which the board is held before both cameras; videos and folders of images become a dive by divemesh import --uncalibrated")->required();
     command->add_option("--target", request.target, "target file of Kalibr: a checkerboard or an aprilgrid")->required();
     command->add_option("--out", request.out, "folder for calibration.json, report.html and the sensor.yaml files")->required();
-    command->add_option("--model", arguments->model, "lens model; auto: the one that leaves smaller errors")->check(CLI::IsMember({"auto", "radial-tangential", "equidistant"}));
+    command->add_option("--model", arguments->model, "lens model: radial-tangential, equidistant, rational, omnidirectional, double-sphere or extended-unified; auto: whichever of the first two leaves smaller errors")->capture_default_str();
     command->add_option("--threads", request.num_threads, "0: all cores; never changes the result")->check(CLI::Range(0, 1024));
     // clang-format on
     command->callback([arguments, &context] {

@@ -2,11 +2,13 @@
 
 #include <fstream>
 
+#include "schemas/enum_text.hpp"
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
 #include "worker/base/atomic_file.hpp"
 #include "worker/board_calibration/calibration_page.hpp"
 #include "worker/board_calibration/pick_views.hpp"
+#include "worker/camera/lens_model.hpp"
 #include "worker/dive/lens_yaml.hpp"
 #include "worker/dive/sensor_yaml_text.hpp"
 #include "worker/recording/read_rig.hpp"
@@ -66,6 +68,14 @@ void add_findings(const std::vector<Finding>& of_recording, RigVerdict& verdict)
 }
 
 }  // namespace
+
+std::optional<types::Distortion> model_from_string(std::string_view text) {
+    using Model = std::optional<types::Distortion>;
+    std::vector<EnumText<Model>> words = {{std::nullopt, "auto"}};
+    for (const camera::LensModel& model : camera::lens_models())
+        if (model.num_coefficients > 0) words.push_back({model.distortion, model.name});
+    return enum_from_text<Model>(words, text, "lens model");
+}
 
 nlohmann::json calibrate_recording(const CalibrationRequest& request,
                                    const base::ProgressCallback& progress) {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 
 #include "schemas/links.hpp"
 #include "worker/base/observer.hpp"
@@ -15,10 +16,14 @@ struct CalibrationRequest {
     std::filesystem::path target;     // target file of Kalibr
     std::filesystem::path out;        // created if missing
     std::filesystem::path scratch;    // the caller removes it
-    std::optional<types::Distortion> model;  // nullopt: the better one of both
+    std::optional<types::Distortion> model;  // nullopt: as in calibrate_rig()
     int num_threads = 0;                     // 0: all cores; never changes a result
     Links links = Links::LeaveOut;           // in the folder `recording`
 };
+
+// Returns the lens model of a word; nullopt for "auto". Throws Error{InvalidArgument}, which lists
+// the words.
+std::optional<types::Distortion> model_from_string(std::string_view text);
 
 // Calibrates a stereo rig by a board that it recorded and writes calibration.json, report.html and,
 // if the rig is determined, mav0/cam0/sensor.yaml and mav0/cam1/sensor.yaml into `out`; returns the

@@ -5,17 +5,19 @@
 #include <limits>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/text.hpp"
+#include "worker/camera/lens_model.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::board_calibration {
 namespace {
 
 constexpr double kFirstHuber_px = 1.0;
-constexpr double kHuberSigmas = 3.0;
 constexpr double kHarmfulRatio = 3.0;  // of a view's errors to those of the others
 constexpr double kMinHarm_px = 0.3;    // smaller errors of a view do no harm
 constexpr double kMaxCornerSigmas = 6.0;
-constexpr int kMaxRounds = 3;  // in which views are left out
+constexpr double kAtLimit = 1e-6;  // of a coefficient's range
+constexpr int kMaxRounds = 3;      // in which views are left out
 constexpr std::size_t kMinCommonViews = 3;
 
 struct LensPair {
@@ -138,12 +140,30 @@ std::size_t num_common(const std::vector<PosedView>& views) {
 }
 
 // Returns the standard deviation of one axis, corrected for the number of parameters.
-double sigma_of(const std::vector<CornerError>& errors, std::size_t num_views) {
+double sigma_of(const RigEstimate& estimate) {
     double squares = 0.0;
-    for (const CornerError& error : errors) squares += error.error_px.squaredNorm();
-    const double num_free = 2.0 * static_cast<double>(errors.size()) - kRigSize -
-                            kPoseSize * static_cast<double>(num_views);
+    for (const CornerError& error : estimate.errors) squares += error.error_px.squaredNorm();
+    const double num_free = 2.0 * static_cast<double>(estimate.errors.size()) -
+                            estimate.rig.size() -
+                            kPoseSize * static_cast<double>(estimate.views.size());
     return num_free > 0.0 ? std::sqrt(squares / num_free) : 0.0;
+}
+
+// Returns what ends at a limit of its range: "alpha of cam1 ends at 0"; "" if there is none.
+std::string coefficient_at_limit(const RigParameters& rig) {
+    for (const bool is_right : {false, true}) {
+        const types::Camera camera = is_right ? rig.cam1() : rig.cam0();
+        auto value = camera.distortion_coefficients.begin();
+        for (const auto& coefficient : camera::lens_model(camera.distortion).leading) {
+            const double tolerance = kAtLimit * (coefficient.max - coefficient.min);
+            for (const double limit : {coefficient.min, coefficient.max})
+                if (std::abs(*value - limit) <= tolerance)
+                    return std::string(coefficient.name) + " of " + (is_right ? "cam1" : "cam0") +
+                           " ends at " + base::significant(limit);
+            ++value;
+        }
+    }
+    return "";
 }
 
 // Solves for everything, without what harms; sets `failure` if that fails.
@@ -172,16 +192,25 @@ void solve(const boards::Board& board, const base::ProgressShare& progress, RigE
         kHuberSigmas * noise_px(corner_errors(board, estimate.rig, estimate.views));
     outcome = solve_rig(board, std::max(1e-6, huber_px), estimate.rig, estimate.views);
     estimate.errors = corner_errors(board, estimate.rig, estimate.views);
-    estimate.sigma_px = sigma_of(estimate.errors, estimate.views.size());
+    estimate.sigma_px = sigma_of(estimate);
     const auto covariance = rig_covariance(board, estimate.sigma_px, estimate.rig, estimate.views);
     if (covariance) estimate.covariance = *covariance;
-    if (!outcome.converged)
+    const std::string at_limit = coefficient_at_limit(estimate.rig);
+    if (!at_limit.empty())
+        estimate.failure = "the lens model does not fit: " + at_limit +
+                           ", the limit of its range; try --model with another lens model";
+    else if (!outcome.converged)
         estimate.failure = "the solver did not converge (" + outcome.message +
                            "): hold the board in more places and tilts";
     else if (!covariance)
         estimate.failure =
             "the pairs do not determine the lenses: hold the board tilted, at other distances and "
             "in all corners of both images";
+}
+
+std::vector<types::Distortion> models_to_try(std::optional<types::Distortion> model) {
+    if (model) return {*model};
+    return {types::Distortion::RadialTangential, types::Distortion::Equidistant};
 }
 
 }  // namespace
@@ -194,10 +223,8 @@ RigEstimate calibrate_rig(const boards::Board& board,
                           const base::ProgressShare& progress) {
     RigEstimate estimate;
     std::optional<LensPair> best;
-    for (const auto distortion :
-         {types::Distortion::RadialTangential, types::Distortion::Equidistant}) {
-        if (model && *model != distortion) continue;
-        progress.at(distortion == types::Distortion::Equidistant ? 0.3 : 0.0);
+    for (const auto distortion : models_to_try(model)) {
+        progress.at(estimate.models.empty() ? 0.0 : 0.3);
         auto lenses = estimate_lenses(board, views, left_size, right_size, distortion);
         if (!lenses) continue;
         estimate.models.push_back(lenses->fit());

@@ -29,7 +29,7 @@ struct ViewLeftOut {
 struct RigEstimate {
     std::string failure;  // "" if the rig is determined and the solver converged
     RigParameters rig;
-    RigCovariance covariance = RigCovariance::Zero();
+    RigCovariance covariance;      // empty if there is none
     std::vector<ModelFit> models;  // that were compared, the chosen one first
     double sigma_px = 0.0;         // of one axis of a corner
     std::vector<PosedView> views;  // that are used, in the order of time
@@ -40,7 +40,7 @@ struct RigEstimate {
 
 // Estimates lenses, relative pose and board poses together, with Huber's loss. Views whose errors
 // are three times those of the others, and corners six standard deviations off, are left out.
-// `model`: nullopt takes that which leaves the smaller errors.
+// `model`: nullopt takes radial-tangential or equidistant, whichever leaves the smaller errors.
 RigEstimate calibrate_rig(const boards::Board& board,
                           const std::vector<boards::BoardView>& views,
                           cv::Size left_size,

@@ -3,21 +3,23 @@
 #include <cmath>
 
 #include "schemas/json.hpp"
+#include "worker/camera/lens_model.hpp"
 
 namespace divemesh::board_calibration {
 namespace {
 
 using nlohmann::json;
 
-const char* name_of(types::Distortion distortion) {
-    return distortion == types::Distortion::Equidistant ? "equidistant" : "radial-tangential";
+std::string_view name_of(types::Distortion distortion) {
+    return camera::lens_model(distortion).name;
 }
 
 json parameters(const RigEstimate& estimate) {
     json list = json::array();
     const RigVector values = estimate.rig.vector();
-    for (int i = 0; i < kRigSize; ++i)
-        list.push_back({{"name", kRigNames[static_cast<std::size_t>(i)]},
+    const std::vector<std::string> names = estimate.rig.names();
+    for (int i = 0; i < values.size(); ++i)
+        list.push_back({{"name", names[static_cast<std::size_t>(i)]},
                         {"value", values[i]},
                         {"sigma", std::sqrt(estimate.covariance(i, i))}});
     return list;
@@ -25,9 +27,9 @@ json parameters(const RigEstimate& estimate) {
 
 json covariance_rows(const RigCovariance& covariance) {
     json rows = json::array();
-    for (int i = 0; i < kRigSize; ++i) {
+    for (int i = 0; i < covariance.rows(); ++i) {
         json row = json::array();
-        for (int j = 0; j < kRigSize; ++j) row.push_back(covariance(i, j));
+        for (int j = 0; j < covariance.cols(); ++j) row.push_back(covariance(i, j));
         rows.push_back(std::move(row));
     }
     return rows;

@@ -72,12 +72,11 @@ void report_images(const boards::Board& board,
                    const std::optional<BoardShape>& shape,
                    dive::FindingLog& findings) {
     if (estimate.sigma_px > kMaxNoise_px)
-        findings.warning(
-            "board_corners_noisy",
-            "",
-            "corners scatter by " + base::fixed(estimate.sigma_px, 2) + " px",
-            "Hold the board still, use short exposures, and try --model with the other "
-            "lens model.");
+        findings.warning("board_corners_noisy",
+                         "",
+                         "corners scatter by " + base::fixed(estimate.sigma_px, 2) + " px",
+                         "Hold the board still, use short exposures, and try --model with another "
+                         "lens model.");
     const double diagonal_m = 2.0 * board.center_m().norm();
     if (shape && shape->flatness_max_m > kMaxFlatness * diagonal_m)
         findings.warning(

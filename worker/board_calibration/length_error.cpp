@@ -56,9 +56,9 @@ std::optional<double> bar_error(const RigParameters& rig,
     const auto a = seen(rig, center_cam0 - half);
     const auto b = seen(rig, center_cam0 + half);
     if (!a || !b) return std::nullopt;
-    RigVector J;
-    for (int i = 0; i < kRigSize; ++i) {
-        RigVector step = RigVector::Zero();
+    RigVector J(rig.size());
+    for (int i = 0; i < rig.size(); ++i) {
+        RigVector step = RigVector::Zero(rig.size());
         step[i] = kStepSigmas * std::sqrt(covariance(i, i));
         const auto longer = length_m(rig.changed_by(step), *a, *b);
         const auto shorter = length_m(rig.changed_by(-step), *a, *b);

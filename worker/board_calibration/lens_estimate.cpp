@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "worker/board_calibration/board_pose.hpp"
+#include "worker/camera/lens_model.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::board_calibration {
@@ -19,9 +20,12 @@ constexpr double kHuber_px = 1.0;
 constexpr double kUnposed_px = 50.0;  // counts for a view that no pose explains
 constexpr double kSigmasPerMedianLength = 0.849321800288019;  // 1 / sqrt(2 ln 2)
 constexpr double kMaxSigmas = 5.0;
+constexpr double kClearSigmas = 3.0;
 
-LensValues lens_without_distortion(const LensKind& kind, double focal_px) {
-    return {focal_px, focal_px, 0.5 * (kind.width_px - 1), 0.5 * (kind.height_px - 1)};
+LensValues starting_lens(const LensKind& kind, const types::LensCoefficients& k, double focal_px) {
+    LensValues lens = {focal_px, focal_px, 0.5 * (kind.width_px - 1), 0.5 * (kind.height_px - 1)};
+    std::copy(k.begin(), k.end(), lens.begin() + kPinholeSize);
+    return lens;
 }
 
 // Returns the views by which focal lengths are compared: spread over the recording.
@@ -38,13 +42,14 @@ std::vector<boards::BoardCorners> some_of(const std::vector<boards::BoardCorners
 
 LensValues initial_lens(const boards::Board& board,
                         const std::vector<boards::BoardCorners>& views,
-                        const LensKind& kind) {
+                        const LensKind& kind,
+                        const types::LensCoefficients& start) {
     const auto some = some_of(views);
     LensValues best = {};
     double least_px = std::numeric_limits<double>::max();
     for (int i = 0; i < kNumFocals; ++i) {
         const double share = kMinFocal * std::pow(kMaxFocal / kMinFocal, i / (kNumFocals - 1.0));
-        const LensValues lens = lens_without_distortion(kind, share * kind.width_px);
+        const LensValues lens = starting_lens(kind, start, share * kind.width_px);
         double sum_px = 0.0;
         for (const auto& view : some) {
             const auto pose = find_board_pose(camera_of(kind, lens), board, view);
@@ -67,20 +72,22 @@ double capped_rms_px(const std::vector<CornerError>& errors) {
                      (2.0 * static_cast<double>(std::max<std::size_t>(1, errors.size()))));
 }
 
-}  // namespace
-
-double noise_px(const std::vector<CornerError>& errors) {
-    std::vector<double> lengths;
-    for (const CornerError& error : errors) lengths.push_back(error.error_px.norm());
-    return kSigmasPerMedianLength * stats::median(std::move(lengths));
+// Returns true if the sum of squares falls by more than noise lets it.
+bool is_clearly_better(const LensEstimate& later, const LensEstimate& first) {
+    const double squares_px2 = later.rms_px * later.rms_px;
+    const double fall_px2 = first.rms_px * first.rms_px - squares_px2;
+    return 2.0 * static_cast<double>(later.num_corners) * fall_px2 >
+           kClearSigmas * kClearSigmas * squares_px2;
 }
 
-std::optional<LensEstimate> estimate_lens(const boards::Board& board,
+// Returns the estimate that least squares reach from one start; nullopt as estimate_lens().
+std::optional<LensEstimate> estimate_from(const boards::Board& board,
                                           const std::vector<boards::BoardCorners>& views,
-                                          const LensKind& kind) {
+                                          const LensKind& kind,
+                                          const types::LensCoefficients& start) {
     RigParameters rig;
     rig.kind0 = kind;
-    rig.lens0 = initial_lens(board, views, kind);
+    rig.lens0 = initial_lens(board, views, kind, start);
     std::vector<PosedView> posed;
     std::vector<std::size_t> of_view;
     for (std::size_t i = 0; i < views.size(); ++i) {
@@ -97,8 +104,29 @@ std::optional<LensEstimate> estimate_lens(const boards::Board& board,
     estimate.T_cam_board.resize(views.size());
     for (std::size_t k = 0; k < posed.size(); ++k)
         estimate.T_cam_board[of_view[k]] = posed[k].T_cam0_board;
-    estimate.rms_px = capped_rms_px(corner_errors(board, rig, posed));
+    const auto errors = corner_errors(board, rig, posed);
+    estimate.num_corners = errors.size();
+    estimate.rms_px = capped_rms_px(errors);
     return estimate;
+}
+
+}  // namespace
+
+double noise_px(const std::vector<CornerError>& errors) {
+    std::vector<double> lengths;
+    for (const CornerError& error : errors) lengths.push_back(error.error_px.norm());
+    return kSigmasPerMedianLength * stats::median(std::move(lengths));
+}
+
+std::optional<LensEstimate> estimate_lens(const boards::Board& board,
+                                          const std::vector<boards::BoardCorners>& views,
+                                          const LensKind& kind) {
+    std::optional<LensEstimate> best;
+    for (const auto& start : camera::lens_model(kind.distortion).starts) {
+        auto estimate = estimate_from(board, views, kind, start);
+        if (estimate && (!best || is_clearly_better(*estimate, *best))) best = std::move(estimate);
+    }
+    return best;
 }
 
 }  // namespace divemesh::board_calibration

@@ -1,20 +1,32 @@
 #include "worker/board_calibration/rig_parameters.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "worker/base/rotation_vector.hpp"
+#include "worker/camera/lens_model.hpp"
 
 namespace divemesh::board_calibration {
+namespace {
 
-// clang-format off
-const std::array<std::string_view, kRigSize> kRigNames = {
-    "cam0_fx_px", "cam0_fy_px", "cam0_cx_px", "cam0_cy_px",
-    "cam0_distortion_0", "cam0_distortion_1", "cam0_distortion_2", "cam0_distortion_3",
-    "cam1_fx_px", "cam1_fy_px", "cam1_cx_px", "cam1_cy_px",
-    "cam1_distortion_0", "cam1_distortion_1", "cam1_distortion_2", "cam1_distortion_3",
-    "T_cam1_cam0_rotation_x_rad", "T_cam1_cam0_rotation_y_rad", "T_cam1_cam0_rotation_z_rad",
-    "T_cam1_cam0_x_m", "T_cam1_cam0_y_m", "T_cam1_cam0_z_m"};
-// clang-format on
+static_assert(kMaxLensSize == kPinholeSize + std::tuple_size_v<types::LensCoefficients>);
+
+void add_names(const std::string& camera,
+               types::Distortion distortion,
+               std::vector<std::string>& names) {
+    for (const char* name : {"fx_px", "fy_px", "cx_px", "cy_px"}) names.push_back(camera + name);
+    const camera::LensModel& model = camera::lens_model(distortion);
+    for (const camera::LeadingCoefficient& coefficient : model.leading)
+        names.push_back(camera + std::string(coefficient.name));
+    for (std::size_t i = model.leading.size(); i < model.num_coefficients; ++i)
+        names.push_back(camera + "distortion_" + std::to_string(i - model.leading.size()));
+}
+
+}  // namespace
+
+int LensKind::num_values() const {
+    return kPinholeSize + static_cast<int>(camera::lens_model(distortion).num_coefficients);
+}
 
 types::Camera camera_of(const LensKind& kind, const LensValues& values) {
     types::Camera camera;
@@ -25,7 +37,7 @@ types::Camera camera_of(const LensKind& kind, const LensValues& values) {
     camera.fy_px = values[1];
     camera.cx_px = values[2];
     camera.cy_px = values[3];
-    std::copy(values.begin() + 4, values.end(), camera.distortion_coefficients.begin());
+    std::copy(values.begin() + kPinholeSize, values.end(), camera.distortion_coefficients.begin());
     return camera;
 }
 
@@ -43,19 +55,30 @@ PoseValues values_of(const Eigen::Isometry3d& T) {
 }
 
 RigVector RigParameters::vector() const {
-    RigVector all;
-    std::copy(lens0.begin(), lens0.end(), all.begin());
-    std::copy(lens1.begin(), lens1.end(), all.begin() + kLensSize);
-    std::copy(T_cam1_cam0.begin(), T_cam1_cam0.end(), all.begin() + 2 * kLensSize);
+    RigVector all(size());
+    auto next = std::copy_n(lens0.begin(), kind0.num_values(), all.begin());
+    next = std::copy_n(lens1.begin(), kind1.num_values(), next);
+    std::copy(T_cam1_cam0.begin(), T_cam1_cam0.end(), next);
+    return all;
+}
+
+std::vector<std::string> RigParameters::names() const {
+    std::vector<std::string> all;
+    add_names("cam0_", kind0.distortion, all);
+    add_names("cam1_", kind1.distortion, all);
+    for (const char* name :
+         {"rotation_x_rad", "rotation_y_rad", "rotation_z_rad", "x_m", "y_m", "z_m"})
+        all.push_back(std::string("T_cam1_cam0_") + name);
     return all;
 }
 
 RigParameters RigParameters::changed_by(const RigVector& change) const {
     const RigVector all = vector() + change;
+    const auto of_lens1 = all.begin() + kind0.num_values();
     RigParameters changed = *this;
-    std::copy_n(all.begin(), kLensSize, changed.lens0.begin());
-    std::copy_n(all.begin() + kLensSize, kLensSize, changed.lens1.begin());
-    std::copy_n(all.begin() + 2 * kLensSize, kPoseSize, changed.T_cam1_cam0.begin());
+    std::copy(all.begin(), of_lens1, changed.lens0.begin());
+    std::copy_n(of_lens1, kind1.num_values(), changed.lens1.begin());
+    std::copy_n(of_lens1 + kind1.num_values(), kPoseSize, changed.T_cam1_cam0.begin());
     return changed;
 }
 

@@ -30,8 +30,11 @@ struct SolveOutcome {
     std::string message;  // of the solver
 };
 
+inline constexpr double kHuberSigmas = 3.0;
+
 // Moves rig and poses to the least sum of reprojection errors, with Huber's loss from `huber_px`
-// on. Without right corners the right camera stays, without left ones the left one.
+// on, which is kHuberSigmas times the noise of a corner. Without right corners the right camera
+// stays, without left ones the left one.
 SolveOutcome solve_rig(const boards::Board& board,
                        double huber_px,
                        RigParameters& rig,

@@ -8,13 +8,15 @@ inline constexpr std::array<std::string_view, 3> kEquidistantNames = {
     "equidistant", "equi", "fisheye"};
 
 // k1 k2 k3 k4 (Kannala and Brandt 2006).
-inline Eigen::Vector2d distort_equidistant(const types::LensCoefficients& k,
-                                           const Eigen::Vector2d& n) {
-    const double r2 = n.squaredNorm();
-    const double r = std::sqrt(r2);
-    if (r < 1e-12) return n;
-    const double theta = std::atan(r);
-    const double t2 = theta * theta;
+template <typename Coefficients, typename T>
+Eigen::Vector2<T> distort_equidistant(const Coefficients& k, const Eigen::Vector2<T>& n) {
+    using std::atan;
+    using std::sqrt;
+    const T r2 = n.squaredNorm();
+    if (r2 < 1e-24) return n;
+    const T r = sqrt(r2);
+    const T theta = atan(r);
+    const T t2 = theta * theta;
     return n * (theta * (1.0 + t2 * (k[0] + t2 * (k[1] + t2 * (k[2] + t2 * k[3])))) / r);
 }
 
@@ -56,6 +58,7 @@ inline constexpr LensModel kEquidistantLens = {.distortion = types::Distortion::
                                                .distortion_models = kEquidistantNames,
                                                .num_coefficients = 4,
                                                .leading = {},
+                                               .starts = kStraightStart,
                                                .is_fisheye = true,
                                                .focal_factor = same_focal_length,
                                                .distort = distort_equidistant,

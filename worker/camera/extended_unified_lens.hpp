@@ -7,11 +7,15 @@ namespace divemesh::camera {
 inline constexpr std::array<LeadingCoefficient, 2> kExtendedUnifiedLeading = {
     {{"alpha", 0.0, 1.0}, {"beta", 1e-3, 100.0}}};
 
+inline constexpr std::array<types::LensCoefficients, 1> kExtendedUnifiedStart = {{{0.5, 1.0}}};
+
 // alpha beta (Khomutenko, Garcia and Martinet 2016).
-inline Eigen::Vector2d distort_extended_unified(const types::LensCoefficients& k,
-                                                const Eigen::Vector2d& n) {
-    const double alpha = k[0];
-    return n / (alpha * std::sqrt(k[1] * n.squaredNorm() + 1.0) + (1.0 - alpha));
+template <typename Coefficients, typename T>
+Eigen::Vector2<T> distort_extended_unified(const Coefficients& k, const Eigen::Vector2<T>& n) {
+    using std::sqrt;
+    const T alpha = k[0];
+    const T r2 = n.squaredNorm();
+    return n / (alpha * sqrt(k[1] * r2 + 1.0) + (1.0 - alpha));
 }
 
 inline Eigen::Vector2d undistort_extended_unified(const types::LensCoefficients& k,
@@ -29,6 +33,7 @@ inline constexpr LensModel kExtendedUnifiedLens = {.distortion = types::Distorti
                                                    .distortion_models = kNoDistortion,
                                                    .num_coefficients = 2,
                                                    .leading = kExtendedUnifiedLeading,
+                                                   .starts = kExtendedUnifiedStart,
                                                    .is_fisheye = true,
                                                    .focal_factor = same_focal_length,
                                                    .distort = distort_extended_unified,

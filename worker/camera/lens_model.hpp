@@ -33,6 +33,8 @@ struct LensModel {
     std::size_t num_coefficients;
     // The first of the coefficients; sensor.yaml states them before the focal lengths.
     std::span<const LeadingCoefficient> leading;
+    // Coefficients at which an estimate starts; a later one counts where it ends clearly better.
+    std::span<const types::LensCoefficients> starts;
     bool is_fisheye;  // may see beyond 85 degrees: rays end at kMaxFisheyeAngle_rad
     // Returns the focal length of sensor.yaml over fx_px, which is that on the axis.
     double (*focal_factor)(const types::LensCoefficients& k);

@@ -9,12 +9,15 @@
 
 #include "worker/camera/lens_model.hpp"
 
-// What several lens models share.
+// What several lens models share. Formulas that distort are templates, for derivatives by automatic
+// differentiation: T is a number, `k` whatever holds the coefficients.
 namespace divemesh::camera {
 
 inline constexpr std::array<std::string_view, 2> kNoDistortion = {"none", ""};
 inline constexpr std::array<std::string_view, 4> kRadialTangentialNames = {
     "radial-tangential", "radtan", "plumb_bob", "rational_polynomial"};
+
+inline constexpr std::array<types::LensCoefficients, 1> kStraightStart = {};
 
 inline double same_focal_length(const types::LensCoefficients&) { return 1.0; }
 
@@ -29,9 +32,11 @@ inline Eigen::Vector2d normalised(const Eigen::Vector3d& ray) {
 }
 
 // Returns coordinates with radial-tangential distortion (Brown 1966).
-inline Eigen::Vector2d brown(double k1, double k2, double p1, double p2, const Eigen::Vector2d& n) {
-    const double r2 = n.squaredNorm();
-    const double radial = 1.0 + r2 * (k1 + r2 * k2);
+template <typename T>
+Eigen::Vector2<T> brown(
+    const T& k1, const T& k2, const T& p1, const T& p2, const Eigen::Vector2<T>& n) {
+    const T r2 = n.squaredNorm();
+    const T radial = 1.0 + r2 * (k1 + r2 * k2);
     return {n.x() * radial + 2.0 * p1 * n.x() * n.y() + p2 * (r2 + 2.0 * n.x() * n.x()),
             n.y() * radial + p1 * (r2 + 2.0 * n.y() * n.y()) + 2.0 * p2 * n.x() * n.y()};
 }

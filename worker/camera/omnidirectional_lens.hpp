@@ -8,16 +8,19 @@ inline constexpr std::array<std::string_view, 5> kOmnidirectionalNames = {
     "radial-tangential", "radtan", "plumb_bob", "none", ""};
 // xi is 0 for a pinhole, 1 for a parabolic mirror; calibrations of weak distortion give more.
 inline constexpr std::array<LeadingCoefficient, 1> kOmnidirectionalLeading = {{{"xi", -0.9, 20.0}}};
+inline constexpr std::array<types::LensCoefficients, 1> kOmnidirectionalStart = {{{1.0}}};
 
 // The focal lengths of the model are those behind the shifted centre.
 inline double omnidirectional_focal_factor(const types::LensCoefficients& k) { return 1.0 + k[0]; }
 
 // xi k1 k2 p1 p2 (Mei and Rives 2007): onto the unit sphere, from a centre that is xi behind that
 // of the sphere onto a plane, and there radial-tangential distortion.
-inline Eigen::Vector2d distort_omnidirectional(const types::LensCoefficients& k,
-                                               const Eigen::Vector2d& n) {
-    const double xi = k[0];
-    const Eigen::Vector2d m = n / (1.0 + xi * std::sqrt(1.0 + n.squaredNorm()));
+template <typename Coefficients, typename T>
+Eigen::Vector2<T> distort_omnidirectional(const Coefficients& k, const Eigen::Vector2<T>& n) {
+    using std::sqrt;
+    const T xi = k[0];
+    const T r2 = n.squaredNorm();
+    const Eigen::Vector2<T> m = n / (1.0 + xi * sqrt(1.0 + r2));
     return (1.0 + xi) * brown(k[1], k[2], k[3], k[4], m);
 }
 
@@ -38,6 +41,7 @@ inline constexpr LensModel kOmnidirectionalLens = {.distortion = types::Distorti
                                                    .distortion_models = kOmnidirectionalNames,
                                                    .num_coefficients = 5,
                                                    .leading = kOmnidirectionalLeading,
+                                                   .starts = kOmnidirectionalStart,
                                                    .is_fisheye = true,
                                                    .focal_factor = omnidirectional_focal_factor,
                                                    .distort = distort_omnidirectional,

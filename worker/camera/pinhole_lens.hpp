@@ -4,7 +4,8 @@
 
 namespace divemesh::camera {
 
-inline Eigen::Vector2d keep_straight(const types::LensCoefficients&, const Eigen::Vector2d& n) {
+template <typename Coefficients, typename T>
+Eigen::Vector2<T> keep_straight(const Coefficients&, const Eigen::Vector2<T>& n) {
     return n;
 }
 
@@ -14,6 +15,7 @@ inline constexpr LensModel kPinholeLens = {.distortion = types::Distortion::None
                                            .distortion_models = kNoDistortion,
                                            .num_coefficients = 0,
                                            .leading = {},
+                                           .starts = kStraightStart,
                                            .is_fisheye = false,
                                            .focal_factor = same_focal_length,
                                            .distort = keep_straight,

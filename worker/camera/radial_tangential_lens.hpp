@@ -5,8 +5,8 @@
 namespace divemesh::camera {
 
 // k1 k2 p1 p2 (Brown 1966).
-inline Eigen::Vector2d distort_radial_tangential(const types::LensCoefficients& k,
-                                                 const Eigen::Vector2d& n) {
+template <typename Coefficients, typename T>
+Eigen::Vector2<T> distort_radial_tangential(const Coefficients& k, const Eigen::Vector2<T>& n) {
     return brown(k[0], k[1], k[2], k[3], n);
 }
 
@@ -23,6 +23,7 @@ inline constexpr LensModel kRadialTangentialLens = {
     .distortion_models = kRadialTangentialNames,
     .num_coefficients = 4,
     .leading = {},
+    .starts = kStraightStart,
     .is_fisheye = false,
     .focal_factor = same_focal_length,
     .distort = distort_radial_tangential,

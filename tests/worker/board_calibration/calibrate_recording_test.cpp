@@ -81,7 +81,7 @@ TEST(CalibrateRecordingTest, FindsTheRigOfARenderedRecording) {
     ASSERT_FALSE(document.contains("failure")) << document.at("failure");
     EXPECT_EQ(document.at("models")[0].at("model"), "radial-tangential");
     EXPECT_LT(document.at("corner_sigma_px").get<double>(), 0.1);
-    for (int i = 0; i < kRigSize; ++i) {
+    for (int i = 0; i < truth.size(); ++i) {
         const auto& row = document.at("parameters")[static_cast<std::size_t>(i)];
         const double error = row.at("value").get<double>() - truth.vector()[i];
         // Allows four: of 22 parameters one is beyond three standard deviations in 6 % of draws.

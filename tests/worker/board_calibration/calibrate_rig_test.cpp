@@ -4,8 +4,13 @@
 
 #include <cmath>
 
+#include "schemas/error.hpp"
 #include "tests/worker/board_calibration/synthetic_boards.hpp"
-#include "worker/board_calibration/length_error.hpp"
+#include "worker/board_calibration/calibrate_recording.hpp"
+#include "worker/camera/projection.hpp"
+#include "worker/dive/calibration.hpp"
+#include "worker/dive/lens_yaml.hpp"
+#include "worker/dive/sensor_yaml_text.hpp"
 
 namespace divemesh::board_calibration {
 namespace {
@@ -34,13 +39,106 @@ double baseline_m(const RigParameters& rig) {
     return isometry_of(rig.T_cam1_cam0).translation().norm();
 }
 
+// Returns the largest distance of where two cameras show the rays of an image.
+double max_distance_px(const types::Camera& camera, const types::Camera& other) {
+    double max_px = 0.0;
+    for (const Eigen::Vector3d& ray : rays_over(camera))
+        max_px =
+            std::max(max_px, (*camera::project(camera, ray) - *camera::project(other, ray)).norm());
+    return max_px;
+}
+
+// Returns what sensor.yaml of a camera is read as.
+std::optional<types::Camera> read_back(const types::Camera& camera) {
+    dive::SensorYaml yaml;
+    yaml.T_body_sensor = Eigen::Matrix4d::Identity();
+    yaml.resolution = {static_cast<double>(camera.width_px), static_cast<double>(camera.height_px)};
+    dive::state_lens(camera, yaml);
+    dive::FindingLog findings;
+    const std::string text = dive::camera_yaml_text(yaml, {"test"});
+    const auto read = dive::parse_sensor_yaml(text, "sensor.yaml", findings);
+    const auto calibrated = dive::calibrated_camera(*read, "sensor.yaml", findings);
+    return calibrated ? std::optional(calibrated->camera) : std::nullopt;
+}
+
 TEST(CalibrateRigTest, WithoutNoiseFindsTheRigExactly) {
-    for (const auto distortion :
-         {types::Distortion::RadialTangential, types::Distortion::Equidistant}) {
+    for (const auto distortion : {types::Distortion::RadialTangential,
+                                  types::Distortion::Equidistant,
+                                  types::Distortion::DoubleSphere,
+                                  types::Distortion::ExtendedUnified}) {
         const Draw drawn = draw(distortion, 1, 0.0, distortion);
         ASSERT_EQ(drawn.estimate.failure, "");
         const RigVector error = drawn.estimate.rig.vector() - drawn.truth.vector();
         EXPECT_LT(error.cwiseAbs().maxCoeff(), 1e-4) << error.transpose();
+    }
+}
+
+// Corners determine their coefficients only together with the priors.
+TEST(CalibrateRigTest, WithLittleNoiseFindsTheRaysOfModelsWithPriors) {
+    for (const auto distortion :
+         {types::Distortion::Rational, types::Distortion::Omnidirectional}) {
+        const Draw drawn = draw(distortion, 1, 0.01, distortion);
+        ASSERT_EQ(drawn.estimate.failure, "");
+        EXPECT_LT(max_distance_px(drawn.truth.cam0(), drawn.estimate.rig.cam0()), 0.2);
+        EXPECT_LT(max_distance_px(drawn.truth.cam1(), drawn.estimate.rig.cam1()), 0.2);
+        EXPECT_NEAR(baseline_m(drawn.estimate.rig) / baseline_m(drawn.truth), 1.0, 5e-5);
+    }
+}
+
+TEST(CalibrateRigTest, FindsADoubleSphereOfPositiveXi) {
+    std::mt19937_64 random(1);
+    const boards::Board board = known_checkerboard();
+    RigParameters truth = known_rig(types::Distortion::DoubleSphere);
+    truth.lens1[4] = 0.3;
+    truth.lens1[5] = 0.62;
+    const auto views = drawn_views(truth, board, drawn_poses(board, 80, random), 0.0, random);
+    const RigEstimate estimate =
+        calibrate_rig(board, views, {1280, 960}, {1280, 960}, types::Distortion::DoubleSphere, {});
+    ASSERT_EQ(estimate.failure, "");
+    EXPECT_LT((estimate.rig.vector() - truth.vector()).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+TEST(CalibrateRigTest, EveryModelComesBackFromSensorYaml) {
+    int num_models = 0;
+    for (const camera::LensModel& model : camera::lens_models()) {
+        if (model.num_coefficients == 0) continue;
+        const Draw drawn = draw(model.distortion, 6, 0.1, model.distortion);
+        ASSERT_EQ(drawn.estimate.failure, "") << model.name;
+        const types::Camera camera = drawn.estimate.rig.cam0();
+        const auto read = read_back(camera);
+        ASSERT_TRUE(read) << model.name;
+        EXPECT_EQ(read->distortion, model.distortion);
+        EXPECT_EQ(read->distortion_coefficients, camera.distortion_coefficients) << model.name;
+        EXPECT_LT(max_distance_px(camera, *read), 1e-9) << model.name;
+        EXPECT_EQ(std::ssize(drawn.estimate.rig.names()), drawn.estimate.rig.size());
+        ++num_models;
+    }
+    EXPECT_EQ(num_models, 6);
+}
+
+// A lens that bends outwards: alpha of 0, which bends nothing, is the nearest to it.
+TEST(CalibrateRigTest, SaysWhichCoefficientALensModelHasNotGot) {
+    std::mt19937_64 random(7);
+    const boards::Board board = known_checkerboard();
+    RigParameters truth = known_rig(types::Distortion::RadialTangential);
+    truth.lens0[4] = truth.lens1[4] = 0.1;
+    const auto views = drawn_views(truth, board, drawn_poses(board, 80, random), 0.1, random);
+    const RigEstimate estimate = calibrate_rig(
+        board, views, {1280, 960}, {1280, 960}, types::Distortion::ExtendedUnified, {});
+    EXPECT_NE(estimate.failure.find("alpha of cam0 ends at 0"), std::string::npos)
+        << estimate.failure;
+}
+
+TEST(CalibrateRigTest, AnUnknownModelNamesTheKnownOnes) {
+    EXPECT_EQ(model_from_string("auto"), std::nullopt);
+    EXPECT_EQ(model_from_string("double-sphere"), types::Distortion::DoubleSphere);
+    try {
+        model_from_string("fov");
+        FAIL() << "fov is no lens model";
+    } catch (const Error& error) {
+        EXPECT_STREQ(error.what(),
+                     "unknown lens model: fov (known: auto, radial-tangential, equidistant, "
+                     "rational, omnidirectional, double-sphere, extended-unified)");
     }
 }
 

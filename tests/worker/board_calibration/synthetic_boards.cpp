@@ -94,6 +94,18 @@ RigParameters known_rig(types::Distortion distortion) {
     if (distortion == types::Distortion::Equidistant) {
         rig.lens0 = {520.0, 521.0, 645.0, 473.0, 0.02, -0.012, 0.006, -0.002};
         rig.lens1 = {525.0, 524.0, 633.0, 484.0, 0.018, -0.01, 0.005, -0.0015};
+    } else if (distortion == types::Distortion::Rational) {
+        rig.lens0 = {1010.0, 1012.0, 645.0, 473.0, 0.25, 0.03, 6e-4, -4e-4, 2e-3, 0.37, 0.06, 3e-3};
+        rig.lens1 = {1004.0, 1003.0, 633.0, 484.0, 0.23, 0.04, -3e-4, 5e-4, 1e-3, 0.36, 0.07, 2e-3};
+    } else if (distortion == types::Distortion::Omnidirectional) {
+        rig.lens0 = {520.0, 521.0, 645.0, 473.0, 1.3, -0.05, 0.02, 6e-4, -4e-4};
+        rig.lens1 = {525.0, 524.0, 633.0, 484.0, 1.25, -0.04, 0.01, -3e-4, 5e-4};
+    } else if (distortion == types::Distortion::DoubleSphere) {
+        rig.lens0 = {520.0, 521.0, 645.0, 473.0, -0.2, 0.57};
+        rig.lens1 = {525.0, 524.0, 633.0, 484.0, -0.18, 0.58};
+    } else if (distortion == types::Distortion::ExtendedUnified) {
+        rig.lens0 = {520.0, 521.0, 645.0, 473.0, 0.61, 1.1};
+        rig.lens1 = {525.0, 524.0, 633.0, 484.0, 0.6, 1.12};
     } else {
         rig.lens0 = {1010.0, 1012.0, 645.0, 473.0, -0.21, 0.08, 0.0006, -0.0004};
         rig.lens1 = {1004.0, 1003.0, 633.0, 484.0, -0.2, 0.07, -0.0003, 0.0005};
@@ -137,6 +149,14 @@ std::vector<boards::BoardView> drawn_views(const RigParameters& rig,
         if (!view.left.empty() || !view.right.empty()) views.push_back(std::move(view));
     }
     return views;
+}
+
+std::vector<Eigen::Vector3d> rays_over(const types::Camera& camera) {
+    std::vector<Eigen::Vector3d> rays;
+    for (int v = camera.height_px / 10; v < camera.height_px; v += camera.height_px / 5)
+        for (int u = camera.width_px / 10; u < camera.width_px; u += camera.width_px / 5)
+            rays.push_back(camera::unproject(camera, Eigen::Vector2d(u, v)));
+    return rays;
 }
 
 ImageRays::ImageRays(const types::Camera& camera) : width_px_(camera.width_px) {

@@ -29,6 +29,9 @@ std::vector<boards::BoardView> drawn_views(const RigParameters& rig,
                                            double sigma_px,
                                            std::mt19937_64& random);
 
+// Returns the rays of 5 x 5 pixels all over an image.
+std::vector<Eigen::Vector3d> rays_over(const types::Camera& camera);
+
 // The rays of a camera before the lens, at the corners of its pixels and linear between them.
 class ImageRays {
 public:
