@@ -95,6 +95,7 @@ json report(const Options& options, const fs::path& results) {
                    {"num_runs", 0},
                    {"edges", json::array()},
                    {"steps", json::array()},
+                   {"beyond", json::array()},
                    {"silent", json::array()},
                    {"hollow", json::array()},
                    {"runs", json::array()}};
@@ -107,6 +108,7 @@ json report(const Options& options, const fs::path& results) {
         if (axis.ordered) result["edges"].push_back(edge(axis, of_axis));
         for (json& row : summarise(axis, of_axis)) result["steps"].push_back(std::move(row));
         for (const json& run : of_axis) {
+            if (breaks_bound(run)) result["beyond"].push_back(run);
             if (is_silent(run)) result["silent"].push_back(run);
             if (is_hollow_success(run)) result["hollow"].push_back(run);
             result["runs"].push_back(run);

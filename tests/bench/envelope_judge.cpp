@@ -25,10 +25,15 @@ bool works(const json& run) {
            run["ate_m"].get<double>() <= kMaxError * run["path_m"].get<double>();
 }
 
+bool breaks_bound(const json& run) {
+    return run["ate_m"].is_number() && run["bound_m"].is_number() &&
+           run["ate_m"].get<double>() > kMaxErrorToBound * run["bound_m"].get<double>();
+}
+
 bool is_silent(const json& run) {
     if (says_something(run)) return false;
     if (!run["ate_m"].is_number() || !run["bound_m"].is_number()) return !works(run);
-    return run["ate_m"].get<double>() > kMaxErrorToBound * run["bound_m"].get<double>();
+    return breaks_bound(run);
 }
 
 bool is_hollow_success(const json& run) {

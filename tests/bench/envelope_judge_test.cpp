@@ -42,6 +42,14 @@ TEST(EnvelopeJudgeTest, ErrorBeyondThreeBoundsIsSilentUntilVerdictFindingOrExitC
     EXPECT_FALSE(is_silent(with(wrong, "exit_code", 1)));
 }
 
+TEST(EnvelopeJudgeTest, AnErrorBreaksItsBoundWhateverIsSaid) {
+    const json wrong = with(good_run(), "ate_m", 0.019);
+    EXPECT_FALSE(breaks_bound(good_run()));
+    EXPECT_TRUE(breaks_bound(wrong));
+    EXPECT_TRUE(breaks_bound(with(wrong, "findings", {"scale_contradicted"})));
+    EXPECT_FALSE(breaks_bound(with(wrong, "bound_m", nullptr)));
+}
+
 TEST(EnvelopeJudgeTest, WithoutABoundARunIsSilentWhenItDoesNotWork) {
     const json unstated = with(good_run(), "bound_m", nullptr);
     EXPECT_FALSE(is_silent(unstated));

@@ -60,6 +60,7 @@ TEST(EnvelopeSummaryTest, TableHasARowPerStepWithWhatWasSaidAndADashForWhatWasNo
         {"num_runs", 4},
         {"edges", {{{"axis", "rate"}, {"last_good", nullptr}, {"first_bad", "10 Hz"}}}},
         {"steps", rows()},
+        {"beyond", json::array()},
         {"silent", json::array()},
         {"hollow", json::array()}};
     const std::string table = envelope_table(report);
