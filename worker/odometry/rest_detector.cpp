@@ -21,8 +21,10 @@ constexpr std::int64_t kMinRest_ns = 1'000'000'000;
 constexpr std::size_t kMinNumPairs = 30;
 constexpr std::size_t kMinNumPairsAtRest = 6;  // once the rig rests
 constexpr std::int64_t kMaxUnseen_ns = 2'000'000'000;
-constexpr double kMoved_px = 1.0;     // median shift since the anchor
-constexpr double kConfidence = 0.99;  // beyond which a motion is significant
+constexpr double kMoved_px = 1.0;         // median shift since the anchor
+constexpr double kMinShareInPlace = 0.2;  // of all near features
+constexpr double kNear_m = 0.02;          // a motion by so much moves a near feature by a pixel
+constexpr double kConfidence = 0.99;      // beyond which a motion is significant
 // The noise of features that stay in place is measured, as a share of the usual noise. Below this
 // share, errors that all features have in common (light, compression) prevail.
 constexpr double kMinNoise = 0.2;
@@ -59,10 +61,12 @@ double largest_sigma(const Eigen::Matrix3d& covariance) {
 
 std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
                                                      const types::Features& features,
-                                                     const Eigen::Isometry3d& T_world_cam) {
+                                                     const Eigen::Isometry3d& T_world_cam,
+                                                     Seen seen) {
     if (now_ns - last_ns_ > kMaxUnseen_ns) restart();
     last_ns_ = now_ns;
-    const PointPairs pairs = with_depth_at_both_times(rig_, anchor_, features);
+    PointPairs pairs = with_depth_at_both_times(rig_, anchor_, features);
+    if (seen == Seen::AllFeaturesAtRest) pairs = in_place(pairs);
     hardly_moves_ = hardly_moved(pairs);
     if (!hardly_moves_) {
         anchor_ = features;
@@ -79,6 +83,20 @@ std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
     T_anchor_cam_ = *motion;
     if (T_anchor_cam_.matrix().isIdentity()) join_anchor(features);
     return T_world_anchor_ * T_anchor_cam_;
+}
+
+// Returns the near pairs that have kept their places; none if they are few among the near ones.
+PointPairs RestDetector::in_place(const PointPairs& pairs) const {
+    PointPairs kept;
+    std::size_t num_near = 0;
+    for (const PointPair& pair : pairs) {
+        if (pair.p_previous.z() > kNear_m * rig_.focal_px) continue;
+        ++num_near;
+        if ((pair.current_px - pair.previous_px).head<2>().norm() < kMoved_px) kept.push_back(pair);
+    }
+    if (static_cast<double>(kept.size()) < kMinShareInPlace * static_cast<double>(num_near))
+        kept.clear();
+    return kept;
 }
 
 void RestDetector::join_anchor(const types::Features& features) {

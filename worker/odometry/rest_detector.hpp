@@ -19,12 +19,17 @@ class RestDetector {
 public:
     explicit RestDetector(const types::RectifiedRig& rig) : rig_(rig) {}
 
-    // Takes in the static features of a frame and its pose. Returns T_world_cam of a rig whose
-    // image has not moved by a pixel for at least a second: the anchor's pose, or, if the motion
-    // since the anchor is significant, that motion by vision alone. nullopt: the rig moves.
+    // What is given to watch(). Most static features keep their places at rest. Of all features a
+    // part does if fish swim before the camera; then sensors have to say that the rig rests.
+    enum class Seen { StaticFeatures, AllFeaturesAtRest };
+
+    // Takes in the features of a frame and its pose. Returns T_world_cam of a rig whose image has
+    // not moved by a pixel for at least a second: the anchor's pose, or, if the motion since the
+    // anchor is significant, that motion by vision alone. nullopt: the rig moves.
     std::optional<Eigen::Isometry3d> watch(std::int64_t now_ns,
                                            const types::Features& features,
-                                           const Eigen::Isometry3d& T_world_cam);
+                                           const Eigen::Isometry3d& T_world_cam,
+                                           Seen seen = Seen::StaticFeatures);
     // Begins anew with the next frame: the map has changed, or sensors say that the rig moves.
     void restart() {
         anchor_.clear();
@@ -45,6 +50,7 @@ public:
 
 private:
     bool hardly_moved(const PointPairs& pairs) const;
+    PointPairs in_place(const PointPairs& pairs) const;
     void join_anchor(const types::Features& features);
     std::optional<Eigen::Isometry3d> significant_motion(const PointPairs& pairs);
 

@@ -14,7 +14,7 @@
 
 namespace divemesh::pipeline {
 
-// Recognises a rig at rest by images and gyroscope together.
+// Recognises a rig at rest by images and IMU together.
 class RestWatch {
 public:
     RestWatch(const types::RectifiedRig& rig,
@@ -22,9 +22,10 @@ public:
               odometry::MotionModel& motion)
         : rig_(rig), inertial_(inertial), motion_(motion), detector_(rig) {}
 
-    // Returns T_current_previous of a rig that hardly moves, given the motion as estimated; nullopt
-    // if it moves. `motion` is still at the previous frame.
+    // Returns T_current_previous of a rig that hardly moves, given all features of the frame and
+    // the motion as estimated; nullopt if it moves. `motion` is still at the previous frame.
     std::optional<Eigen::Isometry3d> watch(const odometry::Registration& vision,
+                                           const types::Features& features,
                                            const Eigen::Isometry3d& estimated,
                                            std::int64_t now_ns);
     // Uses that the rig rests, once `motion` has advanced to the frame.
@@ -38,6 +39,7 @@ public:
 
 private:
     bool rotates_by_gyroscope(std::int64_t now_ns) const;
+    bool rests_by_imu(std::int64_t now_ns) const;
 
     types::RectifiedRig rig_;
     imu::InertialPrior& inertial_;

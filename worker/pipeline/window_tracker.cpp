@@ -73,7 +73,7 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
     const auto estimated =  // 6
         vision.found ? summary_.counted(odometry::refine_pose(state_.rig, vision.inliers, guess))
                      : prediction.T_current_previous;
-    const auto at_rest = rest_.watch(vision, estimated, now_ns);
+    const auto at_rest = rest_.watch(vision, seen.tracks, estimated, now_ns);
     const auto T_current_previous = at_rest.value_or(estimated);
 
     state_.scene.update(seen.pairs, vision, motion.T_world_cam(), before_ns, now_ns);

@@ -64,6 +64,45 @@ TEST(RestDetectorTest, ARestNeverHidesMoreThanTheNoiseOfOnePose) {
     EXPECT_LT(watched.worst_m, 1.5e-3);
 }
 
+// Returns features in which two thirds swim to the right by a third of a pixel per frame.
+types::Features with_fish(types::Features seen, int frame) {
+    for (std::size_t i = 0; i < seen.size(); ++i)
+        if (i % 3 != 0) seen[i].pixel.x() += 0.3 * frame;
+    return seen;
+}
+
+TEST(RestDetectorTest, FishHideNoRestThatTheImuKnows) {
+    synthetic::World world(2.0, 0.0, 7);
+    RestDetector by_images(synthetic::rig());
+    RestDetector with_imu(synthetic::rig());
+    const Eigen::Isometry3d pose = at({1.0, 0.0, 0.0});
+    int num_by_images = 0;
+    for (int k = 0; k < 60; ++k) {
+        const types::Features seen = with_fish(world.see(pose, k, kNoise_px), k);
+        const std::int64_t now_ns = std::int64_t{100'000'000} * k;
+        if (by_images.watch(now_ns, seen, pose)) ++num_by_images;
+        const auto rest = with_imu.watch(now_ns, seen, pose, RestDetector::Seen::AllFeaturesAtRest);
+        if (k < 15) continue;
+        ASSERT_TRUE(rest) << k;
+        EXPECT_LT((rest->translation() - pose.translation()).norm(), 5e-3) << k;
+    }
+    EXPECT_EQ(num_by_images, 0);
+}
+
+// An even glide shakes no IMU.
+TEST(RestDetectorTest, AGlideIsNoRestThoughTheImuSaysSo) {
+    synthetic::World world(2.0, 0.0, 7);
+    RestDetector detector(synthetic::rig());
+    for (int k = 0; k < 60; ++k) {
+        const Eigen::Isometry3d pose = at({1.0, 0.005 * k, 0.0});  // 5 cm/s
+        EXPECT_FALSE(detector.watch(std::int64_t{100'000'000} * k,
+                                    world.see(pose, k, kNoise_px),
+                                    pose,
+                                    RestDetector::Seen::AllFeaturesAtRest))
+            << k;
+    }
+}
+
 TEST(RestDetectorTest, ARestOutlastsWhatHidesMostOfTheScene) {
     synthetic::World world(2.0, 0.0, 7);
     RestDetector detector(synthetic::rig());
