@@ -10,6 +10,7 @@
 #include "schemas/log.hpp"
 #include "server/event_socket.hpp"
 #include "server/request_body.hpp"
+#include "server/request_head.hpp"
 #include "server/response_writer.hpp"
 #include "server/sensor_socket.hpp"
 #include "storage/ids.hpp"
@@ -110,6 +111,15 @@ std::optional<api::Response> refusal(const beast::error_code& error) {
     return response;
 }
 
+// Returns the response to a request whose header is refused; nullopt if it may be served.
+std::optional<api::Response> refuse_head(const RequestBody& body, const api::Request& request) {
+    const auto fault = find_head_fault(body);
+    if (!fault) return std::nullopt;
+    auto response = api::problem_response(request, fault->status, fault->detail);
+    response.set("X-Request-Id", request.id);
+    return response;
+}
+
 // Serves one request. Returns false if the connection cannot be used any more.
 asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
                                     SessionContext context) {
@@ -127,7 +137,10 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
     const auto began = Clock::now();
     connection->on_stop = [body] { body->stop(); };
     const api::Request request = to_request(body);
-    api::Response response = co_await api::dispatch(request, context.services);
+    auto answered = refuse_head(*body, request);
+    const bool is_framed = !answered;
+    if (is_framed) answered = co_await api::dispatch(request, context.services);
+    api::Response response = std::move(*answered);
     const auto took = Clock::now() - began;
     context.services.metrics.count_request(response.route, response.status, took);
     count_bytes(*body, response, context.services.metrics);
@@ -142,7 +155,7 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
     }
     connection->on_stop = nullptr;
     const bool keep_alive =
-        body->message().keep_alive() && body->is_done() && !connection->stopping;
+        is_framed && body->message().keep_alive() && body->is_done() && !connection->stopping;
     const WriteOptions options{
         context.timeouts.write, keep_alive, request.method == http::verb::head};
     const bool written =

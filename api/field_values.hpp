@@ -1,0 +1,13 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+// Values of HTTP header fields, as RFC 9110 writes them.
+namespace divemesh::api {
+
+// Returns the elements of a list, in lower case, without the empty ones (RFC 9110, 5.6.1).
+std::vector<std::string> list_elements(std::string_view field);
+
+}  // namespace divemesh::api
