@@ -94,10 +94,7 @@ void count_bytes(const RequestBody& body, const api::Response& response, api::Me
 
 // Returns the response to invalid HTTP; nullopt if the client just disconnected or fell silent.
 std::optional<api::Response> refusal(const beast::error_code& error) {
-    static const auto& http_errors = http::make_error_code(http::error::end_of_stream).category();
-    if (error.category() != http_errors || error == http::error::end_of_stream ||
-        error == http::error::partial_message)
-        return std::nullopt;
+    if (!is_invalid_http(error)) return std::nullopt;
     api::Request request;
     request.id = request_id("");
     auto response = error == http::error::header_limit

@@ -1,8 +1,10 @@
 #include "server/request_head.hpp"
 
+#include <limits>
 #include <vector>
 
 #include "api/field_values.hpp"
+#include "api/target.hpp"
 
 namespace divemesh::server {
 namespace {
@@ -36,10 +38,27 @@ std::optional<HeadFault> transfer_encoding_fault(const RequestBody& request) {
     return std::nullopt;
 }
 
+std::optional<HeadFault> content_length_fault(const RequestBody& request) {
+    constexpr auto kMaxBytes = std::numeric_limits<std::int64_t>::max();
+    if (request.content_length().value_or(0) <= std::uint64_t{kMaxBytes}) return std::nullopt;
+    return bad_request("Content-Length must be at most " + std::to_string(kMaxBytes));
+}
+
+std::optional<HeadFault> host_fault(const RequestBody::Message& message) {
+    const std::size_t num_hosts = message.count(http::field::host);
+    if (num_hosts == 0 && message.version() < 11) return std::nullopt;
+    if (num_hosts != 1) return bad_request("a request must have exactly one Host header");
+    if (!api::is_host(message[http::field::host]))
+        return bad_request("the header Host is invalid: send a host, and its port if it has one");
+    return std::nullopt;
+}
+
 }  // namespace
 
 std::optional<HeadFault> find_head_fault(const RequestBody& request) {
-    return transfer_encoding_fault(request);
+    if (auto fault = transfer_encoding_fault(request)) return fault;
+    if (auto fault = content_length_fault(request)) return fault;
+    return host_fault(request.message());
 }
 
 }  // namespace divemesh::server

@@ -78,5 +78,136 @@ TEST_F(HttpTest, TakesChunkedInAnyCaseAndEmptyListElements) {
     }
 }
 
+std::string get(const std::string& target, const std::string& fields) {
+    return "GET " + target + " HTTP/1.1\r\n" + fields + "\r\n";
+}
+
+TEST_F(HttpTest, TakesTheAbsoluteFormOfATarget) {
+    const std::string token = "Authorization: Bearer " + server_.admin() + "\r\n";
+    EXPECT_EQ(status_of(get("http://dives.example/healthz/live", "Host: a\r\n")), 200);
+    EXPECT_EQ(status_of(get("HTTPS://[::1]:8080/healthz/live", "Host: a\r\n")), 200);
+    EXPECT_EQ(status_of(get("http://a/api/v1/dives?limit=1", "Host: a\r\n" + token)), 200);
+    EXPECT_EQ(status_of(get("http://a/api/v1/dives?limit=0", "Host: a\r\n" + token)), 400);
+    EXPECT_EQ(status_of(get("http://a", "Host: a\r\n")), 404) << "the path is /";
+    for (const char* target : {"http:///healthz/live",
+                               "http://me@a/healthz/live",
+                               "http://a:x/healthz/live",
+                               "ftp://a/healthz/live",
+                               "a/healthz/live"})
+        EXPECT_EQ(status_of(get(target, "Host: a\r\n")), 400) << target;
+}
+
+TEST_F(HttpTest, WantsExactlyOneValidHost) {
+    for (const char* fields : {"Host: a\r\n",
+                               "Host: a.example:8080\r\n",
+                               "Host: 127.0.0.1:\r\n",
+                               "Host: [::1]:80\r\n",
+                               "Host: a_b%20c\r\n"})
+        EXPECT_EQ(status_of(get("/healthz/live", fields)), 200) << fields;
+    for (const char* fields : {"",
+                               "Host: a\r\nHost: a\r\n",
+                               "Host: a\r\nhost: b\r\n",
+                               "Host: a, b\r\n",
+                               "Host:\r\n",
+                               "Host: a b\r\n",
+                               "Host: a/b\r\n",
+                               "Host: me@a\r\n",
+                               "Host: a:b\r\n",
+                               "Host: a:65536\r\n",
+                               "Host: [::1\r\n",
+                               "Host: ::1\r\n",
+                               "Host: [a]\r\n",
+                               "Host: a%2\r\n",
+                               "Host: http://a\r\n"})
+        expect_last(get("/healthz/live", fields), 400);
+    EXPECT_EQ(status_of("GET /healthz/live HTTP/1.0\r\n\r\n"), 200) << "HTTP/1.0 has no Host";
+}
+
+TEST_F(HttpTest, IgnoresOneEmptyLineBeforeARequest) {
+    const std::string request = get("/healthz/live", "Host: a\r\n");
+    EXPECT_EQ(status_of("\r\n" + request), 200);
+    EXPECT_EQ(status_of("\r\n\r\n" + request), 400);
+    EXPECT_EQ(status_of("\n" + request), 400);
+    RawClient client(server_.port());
+    client.send(request + "\r\n" + request + "\r");
+    EXPECT_EQ(client.receive()->status, 200);
+    EXPECT_EQ(client.receive()->status, 200);
+    client.send("\n" + request);
+    EXPECT_EQ(client.receive()->status, 200);
+}
+
+constexpr const char* kBrokenChunks[] = {"zz\r\n{}\r\n0\r\n\r\n",
+                                         "-2\r\n{}\r\n0\r\n\r\n",
+                                         "0x2\r\n{}\r\n0\r\n\r\n",
+                                         "\r\n{}\r\n0\r\n\r\n",
+                                         "2\r\n{}XX0\r\n\r\n",
+                                         "2\r\n{}\n0\r\n\r\n",
+                                         "1\r\n{}\r\n0\r\n\r\n",
+                                         "2 2\r\n{}\r\n0\r\n\r\n",
+                                         "10000000000000000\r\n{}\r\n0\r\n\r\n"};
+
+TEST_F(HttpTest, BrokenChunksOfABodyAre400) {
+    for (const char* chunks : kBrokenChunks)
+        expect_last(
+            "POST /api/v1/dives HTTP/1.1\r\nHost: a\r\nAuthorization: Bearer " + server_.admin() +
+                "\r\nContent-Type: application/json\r\nTransfer-Encoding: chunked\r\n\r\n" + chunks,
+            400);
+}
+
+TEST_F(HttpTest, BrokenChunksOfAnUploadAre400) {
+    for (const char* chunks : kBrokenChunks) {
+        const auto path = create_upload(server_.port(), server_.admin(), 100);
+        Headers headers = patch_headers(server_.admin(), 0);
+        headers.emplace_back("Transfer-Encoding", "chunked");
+        expect_last(request_head("PATCH", path, headers, std::nullopt) + chunks, 400);
+    }
+}
+
+TEST_F(HttpTest, AContentLengthIsOneNumber) {
+    const std::string head = "POST /api/v1/dives HTTP/1.1\r\nHost: a\r\nAuthorization: Bearer " +
+                             server_.admin() + "\r\nContent-Type: application/json\r\n";
+    for (const char* fields : {"Content-Length: 9223372036854775808\r\n",
+                               "Content-Length: 18446744073709551615\r\n",
+                               "Content-Length: 18446744073709551618\r\n",
+                               "Content-Length: 99999999999999999999999\r\n",
+                               "Content-Length: 2, 3\r\n",
+                               "Content-Length: 2\r\nContent-Length: 3\r\n",
+                               "Content-Length: -2\r\n",
+                               "Content-Length: +2\r\n",
+                               "Content-Length: 2x\r\n",
+                               "Content-Length: 0x2\r\n",
+                               "Content-Length:\r\n"})
+        expect_last(head + fields + "\r\n{}", 400);
+    expect_last(head + "Content-Length: 9223372036854775807\r\n\r\n{}", 413);
+    expect_last(head + "Content-Length: 1048577\r\n\r\n{}", 413);
+    EXPECT_EQ(status_of(head + "Content-Length: 2, 2\r\n\r\n{}"), 400) << "upload_id is missing";
+}
+
+TEST_F(HttpTest, ABodyWithAContentCodingIs415AndLearnsWhichAreKnown) {
+    const Headers json = {{"Content-Type", "application/json"}};
+    for (const char* coding : {"gzip", "GZIP", "br", "gzip, identity", "identity, gzip"}) {
+        Headers headers = json;
+        headers.emplace_back("Content-Encoding", coding);
+        const auto response =
+            server_.request("POST", "/api/v1/dives", server_.admin(), headers, "{}");
+        EXPECT_EQ(response.status, 415) << coding;
+        EXPECT_EQ(response.header("accept-encoding"), "identity") << coding;
+    }
+    for (const char* coding : {"identity", "Identity", ""}) {
+        Headers headers = json;
+        headers.emplace_back("Content-Encoding", coding);
+        const auto response =
+            server_.request("POST", "/api/v1/dives", server_.admin(), headers, "{}");
+        EXPECT_EQ(response.status, 400) << coding << ": upload_id is missing";
+    }
+    const auto path = create_upload(server_.port(), server_.admin(), 100);
+    Headers headers = patch_headers(server_.admin(), 0);
+    headers.emplace_back("Content-Encoding", "gzip");
+    const auto response = RawClient(server_.port()).request("PATCH", path, headers, "hello");
+    EXPECT_EQ(response.status, 415);
+    EXPECT_EQ(response.header("accept-encoding"), "identity");
+    EXPECT_EQ(upload_offset(server_.port(), server_.admin(), path), 0);
+}
+
 }  // namespace
 }  // namespace divemesh
