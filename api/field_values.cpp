@@ -28,4 +28,8 @@ std::vector<std::string> list_elements(std::string_view field) {
     return elements;
 }
 
+std::string media_type_of(std::string_view field) {
+    return plain(field.substr(0, field.find(';')));
+}
+
 }  // namespace divemesh::api

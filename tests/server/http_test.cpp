@@ -209,5 +209,28 @@ TEST_F(HttpTest, ABodyWithAContentCodingIs415AndLearnsWhichAreKnown) {
     EXPECT_EQ(upload_offset(server_.port(), server_.admin(), path), 0);
 }
 
+TEST_F(HttpTest, ComparesMediaTypesWithoutCaseAndParameters) {
+    for (const char* type : {"application/json",
+                             "Application/JSON",
+                             "application/json ; charset=utf-8",
+                             "application/merge-patch+json",
+                             "Application/Merge-Patch+JSON; charset=utf-8"}) {
+        const Headers headers = {{"Content-Type", type}};
+        const auto response = server_.request(
+            "PATCH", "/api/v1/queue", server_.admin(), headers, R"({"paused": false})");
+        EXPECT_EQ(response.status, 200) << type << response.body;
+    }
+    for (const char* type : {"application/jsonx", "text/plain; application/json", "json", ""}) {
+        const Headers headers = {{"Content-Type", type}};
+        const auto response = server_.request(
+            "PATCH", "/api/v1/queue", server_.admin(), headers, R"({"paused": false})");
+        EXPECT_EQ(response.status, 415) << type;
+    }
+    const Headers merge_patch = {{"Content-Type", "application/merge-patch+json"}};
+    EXPECT_EQ(server_.request("POST", "/api/v1/dives", server_.admin(), merge_patch, "{}").status,
+              415)
+        << "it is a document for PATCH alone";
+}
+
 }  // namespace
 }  // namespace divemesh

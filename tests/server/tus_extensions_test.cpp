@@ -347,5 +347,31 @@ TEST_F(TusTest, AnotherProjectsPartIsNotSeen) {
     EXPECT_EQ(head(part).header("upload-offset"), "300000");
 }
 
+TEST_F(TusTest, ComparesTheContentTypeWithoutCaseAndParameters) {
+    const auto path = create_upload(server.port(), token, 1000);
+    Headers headers = tus_headers(token, {{"Upload-Offset", "0"}});
+    headers.emplace_back("Content-Type", "Application/Offset+Octet-Stream; charset=binary");
+    EXPECT_EQ(RawClient(server.port()).request("PATCH", path, headers, "hello").status, 204);
+    const auto made =
+        create({{"Upload-Length", "5"}, {"Content-Type", "APPLICATION/OFFSET+OCTET-STREAM ;a=b"}},
+               "hello");
+    EXPECT_EQ(made.status, 201);
+    EXPECT_EQ(made.header("upload-offset"), "5");
+}
+
+TEST_F(TusTest, AChecksumTrailerThatWasNotAnnouncedMeansNothing) {
+    const auto path = create_upload(server.port(), token, 1000);
+    Headers headers = patch_headers(token, 0);
+    headers.emplace_back("Transfer-Encoding", "chunked");
+    RawClient client(server.port());
+    client.send(request_head("PATCH", path, headers, std::nullopt) +
+                "5\r\nhello\r\n0\r\nUpload-Checksum: sha1 " + sha1_base64("other") + "\r\n\r\n");
+    const auto response = client.receive();
+    ASSERT_TRUE(response);
+    EXPECT_EQ(response->status, 204);
+    EXPECT_EQ(response->header("upload-offset"), "5");
+    EXPECT_EQ(client.request("GET", "/healthz/live").status, 200) << "the connection goes on";
+}
+
 }  // namespace
 }  // namespace divemesh
