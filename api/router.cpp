@@ -12,6 +12,7 @@
 #include "api/field_values.hpp"
 #include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
+#include "api/query_parameters.hpp"
 #include "api/target.hpp"
 #include "schemas/error.hpp"
 
@@ -233,6 +234,7 @@ Awaitable<Response> dispatch(Request request, Services services) {
         } else {
             request.parameters = std::move(match.parameters);
             if (!route->scope.empty()) request.token = co_await admit(request, services, route);
+            require_known_query(request, *route);
             if (is_whole(route->kind)) request.body = co_await read_body(request.stream);
             response = co_await answer(request, services, *route);
         }

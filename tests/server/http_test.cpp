@@ -232,5 +232,22 @@ TEST_F(HttpTest, ComparesMediaTypesWithoutCaseAndParameters) {
         << "it is a document for PATCH alone";
 }
 
+TEST_F(HttpTest, RefusesUnknownQueryParametersAndNamesTheNearest) {
+    const auto response =
+        server_.request("GET", "/api/v1/dives?limit=1&stat=ready", server_.admin());
+    EXPECT_EQ(response.status, 400);
+    EXPECT_EQ(response.json()["detail"], "unknown parameter stat; did you mean state?");
+    EXPECT_EQ(response.json()["errors"][0]["parameter"], "stat");
+    const auto none = server_.request("GET", "/healthz/live?verbose=1", "");
+    EXPECT_EQ(none.status, 400);
+    EXPECT_EQ(none.json()["detail"], "unknown parameter verbose; this address takes none");
+    const auto far = server_.request("GET", "/api/v1/queue?xyzzy", server_.admin());
+    EXPECT_EQ(far.status, 400);
+    EXPECT_EQ(far.json()["detail"], "unknown parameter xyzzy; this address takes fields, project");
+    const auto both = server_.request("GET", "/api/v1/dives?tags=a&sites=b", server_.admin());
+    EXPECT_EQ(both.json()["errors"].size(), 2U);
+    EXPECT_EQ(server_.request("GET", "/api/v1/dives?stat=ready", "").status, 401);
+}
+
 }  // namespace
 }  // namespace divemesh
