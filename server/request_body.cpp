@@ -99,8 +99,8 @@ asio::awaitable<beast::error_code> RequestBody::read_some() {
 
 asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     using State = api::BodyRead::State;
-    if (stopped_ && !has_more_at_hand()) co_return api::BodyRead{0, State::Stopped};
     if (parser_.is_done()) co_return api::BodyRead{0, State::End};
+    if (stopped_ && !has_more_at_hand()) co_return api::BodyRead{0, State::Stopped};
     beast::error_code error = co_await continue_if_expected();
     auto& body = parser_.get().body();
     body.data = buffer.data();
@@ -117,14 +117,17 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     }
     const std::size_t num_bytes = buffer.size() - body.size;
     received_bytes_ += static_cast<std::int64_t>(num_bytes);
-    if (parser_.is_done()) connection_->buffer.shrink_to_fit();
+    if (parser_.is_done()) {  // also after stop(): the whole body has been taken
+        connection_->buffer.shrink_to_fit();
+        co_return api::BodyRead{num_bytes, State::End};
+    }
     if (stopped_) {
         num_drained_ += num_bytes;
         co_return api::BodyRead{num_bytes, has_more_at_hand() ? State::More : State::Stopped};
     }
     if (error)
         co_return api::BodyRead{num_bytes, is_invalid_http(error) ? State::Invalid : State::Lost};
-    co_return api::BodyRead{num_bytes, parser_.is_done() ? State::End : State::More};
+    co_return api::BodyRead{num_bytes, State::More};
 }
 
 // Keeps what the client had sent before it was stopped, so that a client whose link broke need not

@@ -373,5 +373,27 @@ TEST_F(TusTest, AChecksumTrailerThatWasNotAnnouncedMeansNothing) {
     EXPECT_EQ(client.request("GET", "/healthz/live").status, 200) << "the connection goes on";
 }
 
+// A newer request stops an older one; whichever of them stored the bytes has to learn it.
+TEST_F(TusTest, OfTwoPatchesAtOneOffsetTheOneThatStoredTheBytesIsTold204) {
+    for (int round = 0; round < 60; ++round) {
+        const auto path = create_upload(server.port(), token, 2'000'000);
+        const std::string head = request_head("PATCH", path, patch_headers(token, 0), bytes.size());
+        RawClient first(server.port());
+        RawClient second(server.port());
+        first.send(head);
+        first.send(bytes);
+        second.send(head);
+        second.send(bytes);
+        const auto a = first.receive();
+        const auto b = second.receive();
+        ASSERT_TRUE(a && b);
+        const auto offset = upload_offset(server.port(), token, path);
+        const int num_stored = (a->status == 204 ? 1 : 0) + (b->status == 204 ? 1 : 0);
+        const auto size = static_cast<std::int64_t>(bytes.size());
+        EXPECT_EQ(num_stored, offset == size ? 1 : 0)
+            << a->status << ' ' << b->status << " at " << offset;
+    }
+}
+
 }  // namespace
 }  // namespace divemesh
