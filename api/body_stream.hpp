@@ -9,10 +9,10 @@
 namespace divemesh::api {
 
 // How a read of a request's body ended: with bytes and more to come, at the end of the body,
-// because the client disconnected or fell silent, or because stop() was called. Each of them may
-// come with bytes.
+// because the client disconnected or fell silent, because the body is invalid HTTP, or because
+// stop() was called. Each of them may come with bytes.
 struct BodyRead {
-    enum class State { More, End, Lost, Stopped };
+    enum class State { More, End, Lost, Invalid, Stopped };
     std::size_t num_bytes = 0;
     State state = State::More;
 };

@@ -9,8 +9,10 @@
 #include "api/disk_reserve.hpp"
 #include "api/error_response.hpp"
 #include "api/etag.hpp"
+#include "api/field_values.hpp"
 #include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
+#include "api/query_parameters.hpp"
 #include "api/target.hpp"
 #include "schemas/error.hpp"
 
@@ -85,6 +87,9 @@ Awaitable<std::string> read_body(std::shared_ptr<BodyStream> stream) {
         body.append(buffer.data(), read.num_bytes);
         if (body.size() > kMaxBodyBytes) throw too_large;
         if (read.state == BodyRead::State::End) co_return body;
+        if (read.state == BodyRead::State::Invalid)
+            throw Error(ErrorCode::InvalidArgument,
+                        "the chunks of the body are invalid: send the request again");
         if (read.state != BodyRead::State::More)
             throw Error(ErrorCode::Unavailable,
                         "the body did not arrive completely: send the request again");
@@ -120,12 +125,25 @@ Awaitable<Token> identify(Request request, Services services, RouteKind kind) {
 }
 
 void split_target(Request& request) {
-    auto [path, query] = parse_target(request.target);
-    request.path = std::move(path);
-    request.query = std::move(query);
+    Target target = parse_target(request.target);
+    request.path = std::move(target.path);
+    request.query = std::move(target.query);
+    if (!target.host.empty()) request.headers["host"] = std::move(target.host);  // RFC 9112, 3.2.2
     request.method = effective_method(request);
-    if (request.header("host").find(',') != std::string::npos)  // RFC 9112, 3.2
-        throw Error(ErrorCode::InvalidArgument, "a request must have exactly one Host header");
+}
+
+// Returns the response to a body in a coding that the server does not decode; nullopt for others.
+std::optional<Response> refuse_coding(const Request& request) {
+    const auto codings = list_elements(request.header("content-encoding"));
+    const auto is_identity = [](const std::string& coding) { return coding == "identity"; };
+    if (std::all_of(codings.begin(), codings.end(), is_identity) ||
+        request.stream->length_bytes() == 0)
+        return std::nullopt;
+    const Error unsupported(ErrorCode::Unsupported,
+                            "the Content-Encoding is not supported: send the body without it");
+    Response response = error_response(request, std::make_exception_ptr(unsupported));
+    response.set("Accept-Encoding", "identity");
+    return response;
 }
 
 // Returns the response that needs no handler: to preflights, and to addresses and origins that are
@@ -139,7 +157,7 @@ std::optional<Response> answer_at_the_door(const Request& request,
         throw Error(ErrorCode::Forbidden,
                     "pages of this origin are not allowed to connect: start the server with "
                     "--allow-origin to allow it");
-    return std::nullopt;
+    return refuse_coding(request);
 }
 
 Awaitable<Token> admit(Request request, Services services, const Route* route) {
@@ -216,6 +234,7 @@ Awaitable<Response> dispatch(Request request, Services services) {
         } else {
             request.parameters = std::move(match.parameters);
             if (!route->scope.empty()) request.token = co_await admit(request, services, route);
+            require_known_query(request, *route);
             if (is_whole(route->kind)) request.body = co_await read_body(request.stream);
             response = co_await answer(request, services, *route);
         }

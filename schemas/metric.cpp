@@ -4,11 +4,11 @@
 #include <array>
 #include <cstdio>
 #include <map>
-#include <numeric>
 #include <set>
 
 #include "schemas/embedded_schemas.hpp"
 #include "schemas/error.hpp"
+#include "schemas/num_edits.hpp"
 
 namespace divemesh {
 namespace {
@@ -172,22 +172,6 @@ std::optional<std::string> completed(const std::string& pattern, std::string_vie
         start = dot == std::string::npos ? dot : dot + 1;
     }
     return std::nullopt;
-}
-
-std::size_t num_edits(std::string_view a, std::string_view b) {  // Levenshtein
-    std::vector<std::size_t> row(b.size() + 1);
-    std::iota(row.begin(), row.end(), std::size_t{0});
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = row[0];
-        row[0] = i;
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t above = row[j];
-            row[j] =
-                std::min({above + 1, row[j - 1] + 1, diagonal + (a[i - 1] == b[j - 1] ? 0 : 1)});
-            diagonal = above;
-        }
-    }
-    return row.back();
 }
 
 // Returns the number of edits to the nearest end of the name; 0 if one contains the other.

@@ -9,12 +9,11 @@
 namespace divemesh {
 
 // What a token may do. admin allows everything; sensor:push belongs to the tokens of one sensor.
-inline constexpr std::array<std::string_view, 8> kScopes = {"dives:read",
+inline constexpr std::array<std::string_view, 7> kScopes = {"dives:read",
                                                             "dives:write",
                                                             "jobs:write",
                                                             "sensor:push",
                                                             "sensor:command",
-                                                            "reports:write",
                                                             "metrics:read",
                                                             "admin"};
 

@@ -10,6 +10,7 @@
 #include "schemas/log.hpp"
 #include "server/event_socket.hpp"
 #include "server/request_body.hpp"
+#include "server/request_head.hpp"
 #include "server/response_writer.hpp"
 #include "server/sensor_socket.hpp"
 #include "storage/ids.hpp"
@@ -93,10 +94,7 @@ void count_bytes(const RequestBody& body, const api::Response& response, api::Me
 
 // Returns the response to invalid HTTP; nullopt if the client just disconnected or fell silent.
 std::optional<api::Response> refusal(const beast::error_code& error) {
-    static const auto& http_errors = http::make_error_code(http::error::end_of_stream).category();
-    if (error.category() != http_errors || error == http::error::end_of_stream ||
-        error == http::error::partial_message)
-        return std::nullopt;
+    if (!is_invalid_http(error)) return std::nullopt;
     api::Request request;
     request.id = request_id("");
     auto response = error == http::error::header_limit
@@ -106,6 +104,15 @@ std::optional<api::Response> refusal(const beast::error_code& error) {
                         : api::problem_response(request,
                                                 http::status::bad_request,
                                                 "the request is not HTTP/1.1: " + error.message());
+    response.set("X-Request-Id", request.id);
+    return response;
+}
+
+// Returns the response to a request whose header is refused; nullopt if it may be served.
+std::optional<api::Response> refuse_head(const RequestBody& body, const api::Request& request) {
+    const auto fault = find_head_fault(body);
+    if (!fault) return std::nullopt;
+    auto response = api::problem_response(request, fault->status, fault->detail);
     response.set("X-Request-Id", request.id);
     return response;
 }
@@ -127,7 +134,10 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
     const auto began = Clock::now();
     connection->on_stop = [body] { body->stop(); };
     const api::Request request = to_request(body);
-    api::Response response = co_await api::dispatch(request, context.services);
+    auto answered = refuse_head(*body, request);
+    const bool is_framed = !answered;
+    if (is_framed) answered = co_await api::dispatch(request, context.services);
+    api::Response response = std::move(*answered);
     const auto took = Clock::now() - began;
     context.services.metrics.count_request(response.route, response.status, took);
     count_bytes(*body, response, context.services.metrics);
@@ -142,7 +152,7 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
     }
     connection->on_stop = nullptr;
     const bool keep_alive =
-        body->message().keep_alive() && body->is_done() && !connection->stopping;
+        is_framed && body->message().keep_alive() && body->is_done() && !connection->stopping;
     const WriteOptions options{
         context.timeouts.write, keep_alive, request.method == http::verb::head};
     const bool written =

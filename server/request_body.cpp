@@ -3,7 +3,9 @@
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core/read_size.hpp>
 #include <boost/beast/http/empty_body.hpp>
+#include <boost/beast/http/error.hpp>
 #include <boost/beast/http/read.hpp>
 #include <boost/beast/http/write.hpp>
 
@@ -20,6 +22,12 @@ constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 
 }  // namespace
 
+bool is_invalid_http(const beast::error_code& error) {
+    static const auto& http_errors = http::make_error_code(http::error::end_of_stream).category();
+    return error.category() == http_errors && error != http::error::end_of_stream &&
+           error != http::error::partial_message;
+}
+
 RequestBody::RequestBody(std::shared_ptr<Connection> connection, const Timeouts& timeouts)
     : connection_(std::move(connection)), timeouts_(timeouts) {
     parser_.header_limit(kMaxHeaderBytes);
@@ -29,11 +37,29 @@ RequestBody::RequestBody(std::shared_ptr<Connection> connection, const Timeouts&
 
 asio::awaitable<beast::error_code> RequestBody::read_header() {
     connection_->stream.expires_after(timeouts_.header);
+    const beast::error_code lost = co_await skip_empty_line();
+    if (lost) co_return lost;
     parser_.eager(false);
     const auto [error, n] = co_await http::async_read_header(
         connection_->stream, connection_->buffer, parser_, kAwaitErrors);
     parser_.eager(true);
     co_return error;
+}
+
+// Skips one empty line before the request line (RFC 9112, 2.2).
+asio::awaitable<beast::error_code> RequestBody::skip_empty_line() {
+    constexpr std::string_view kEmptyLine = "\r\n";
+    auto& buffer = connection_->buffer;
+    for (;;) {
+        const std::string begin(static_cast<const char*>(buffer.data().data()),
+                                std::min(buffer.size(), kEmptyLine.size()));
+        if (begin == kEmptyLine) buffer.consume(begin.size());
+        if (!begin.empty() && begin != "\r") co_return beast::error_code();
+        const auto room = buffer.prepare(beast::read_size(buffer, api::client::kReadBytes));
+        const auto [error, n] = co_await connection_->stream.async_read_some(room, kAwaitErrors);
+        buffer.commit(n);
+        if (error) co_return error;
+    }
 }
 
 std::string RequestBody::peer() const {
@@ -44,8 +70,12 @@ std::string RequestBody::peer() const {
 
 std::optional<std::int64_t> RequestBody::length_bytes() const {
     if (parser_.chunked()) return std::nullopt;
+    return static_cast<std::int64_t>(content_length().value_or(0));
+}
+
+std::optional<std::uint64_t> RequestBody::content_length() const {
     const auto length = parser_.content_length();
-    return length ? static_cast<std::int64_t>(*length) : 0;
+    return length ? std::optional<std::uint64_t>(*length) : std::nullopt;
 }
 
 asio::awaitable<beast::error_code> RequestBody::continue_if_expected() {
@@ -69,8 +99,8 @@ asio::awaitable<beast::error_code> RequestBody::read_some() {
 
 asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     using State = api::BodyRead::State;
-    if (stopped_ && !has_more_at_hand()) co_return api::BodyRead{0, State::Stopped};
     if (parser_.is_done()) co_return api::BodyRead{0, State::End};
+    if (stopped_ && !has_more_at_hand()) co_return api::BodyRead{0, State::Stopped};
     beast::error_code error = co_await continue_if_expected();
     auto& body = parser_.get().body();
     body.data = buffer.data();
@@ -87,13 +117,17 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
     }
     const std::size_t num_bytes = buffer.size() - body.size;
     received_bytes_ += static_cast<std::int64_t>(num_bytes);
-    if (parser_.is_done()) connection_->buffer.shrink_to_fit();
+    if (parser_.is_done()) {  // also after stop(): the whole body has been taken
+        connection_->buffer.shrink_to_fit();
+        co_return api::BodyRead{num_bytes, State::End};
+    }
     if (stopped_) {
         num_drained_ += num_bytes;
         co_return api::BodyRead{num_bytes, has_more_at_hand() ? State::More : State::Stopped};
     }
-    if (error) co_return api::BodyRead{num_bytes, State::Lost};
-    co_return api::BodyRead{num_bytes, parser_.is_done() ? State::End : State::More};
+    if (error)
+        co_return api::BodyRead{num_bytes, is_invalid_http(error) ? State::Invalid : State::Lost};
+    co_return api::BodyRead{num_bytes, State::More};
 }
 
 // Keeps what the client had sent before it was stopped, so that a client whose link broke need not

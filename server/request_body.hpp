@@ -9,6 +9,10 @@
 
 namespace divemesh::server {
 
+// Returns whether a read failed because the bytes are invalid HTTP; false if the client has gone or
+// is silent.
+bool is_invalid_http(const boost::beast::error_code& error);
+
 // One request as it arrives over a connection: the header, then the body in parts.
 class RequestBody : public api::BodyStream, public std::enable_shared_from_this<RequestBody> {
 public:
@@ -22,12 +26,15 @@ public:
     std::string peer() const;                           // the client's address
     std::int64_t received_bytes() const { return received_bytes_; }
 
+    std::optional<std::uint64_t> content_length() const;  // as received
+
     std::optional<std::int64_t> length_bytes() const override;
     boost::asio::awaitable<api::BodyRead> read(std::span<char> buffer) override;
     void must_end_within(std::chrono::seconds time) override;
     void stop() override;
 
 private:
+    boost::asio::awaitable<boost::beast::error_code> skip_empty_line();
     boost::asio::awaitable<boost::beast::error_code> read_some();
     boost::asio::awaitable<boost::beast::error_code> continue_if_expected();
     bool has_more_at_hand();

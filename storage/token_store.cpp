@@ -21,6 +21,11 @@ constexpr std::chrono::hours kMaxLifetime{24 * 3660};
     " expires_at_ms, revoked"
 #define IS_VALID "revoked = 0 AND (expires_at_ms = 0 OR expires_at_ms > :now)"
 
+bool is_known(const std::string& scope) {
+    return std::find(kScopes.begin(), kScopes.end(), scope) != kScopes.end();
+}
+
+// The catalog may name scopes that no longer exist; they are left out.
 struct TokenRow {
     Token token;
     std::string scopes;
@@ -41,7 +46,9 @@ struct TokenRow {
     }
     Token value() const {
         Token value = token;
-        value.scopes = nlohmann::json::parse(scopes).get<std::vector<std::string>>();
+        const auto stored = nlohmann::json::parse(scopes).get<std::vector<std::string>>();
+        for (const std::string& scope : stored)
+            if (is_known(scope)) value.scopes.push_back(scope);
         value.revoked = revoked != 0;
         return value;
     }
@@ -71,7 +78,7 @@ std::string known_scopes() {
 void check_scopes(const std::vector<std::string>& scopes) {
     if (scopes.empty()) throw Error(ErrorCode::InvalidArgument, "a token needs at least one scope");
     for (const std::string& scope : scopes)
-        if (std::find(kScopes.begin(), kScopes.end(), scope) == kScopes.end())
+        if (!is_known(scope))
             throw Error(ErrorCode::InvalidArgument,
                         "unknown scope: " + scope + " (known: " + known_scopes() + ")");
 }

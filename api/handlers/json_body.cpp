@@ -1,9 +1,9 @@
 #include "api/handlers/json_body.hpp"
 
 #include <algorithm>
-#include <boost/beast/core/string.hpp>
 #include <cctype>
 
+#include "api/field_values.hpp"
 #include "api/parse_json.hpp"
 #include "api/target.hpp"
 
@@ -32,8 +32,10 @@ std::string pointer_to(const std::string& key) {
 }
 
 nlohmann::json json_body(const Request& request, const std::set<std::string>& known) {
-    const std::string type = request.header("content-type");
-    if (!boost::beast::iequals(type.substr(0, type.find(';')), "application/json"))
+    const std::string type = media_type_of(request.header("content-type"));
+    const bool is_merge_patch =
+        type == "application/merge-patch+json" && request.method == verb::patch;
+    if (type != "application/json" && !is_merge_patch)
         throw Error(ErrorCode::Unsupported,
                     "the body has another content type: send Content-Type: application/json");
     auto body = parse_json(request.body);

@@ -16,7 +16,8 @@ namespace divemesh::api {
 // Returns the JSON pointer (RFC 6901) to a key of an object.
 std::string pointer_to(const std::string& key);
 
-// Returns the JSON object of a request. Throws Error{Unsupported} for another Content-Type,
+// Returns the JSON object of a request; for PATCH it may be a merge patch (RFC 7396). Throws
+// Error{Unsupported} for another Content-Type,
 // Error{InvalidArgument} if it is not an object, and InvalidInput for keys outside `known`.
 nlohmann::json json_body(const Request& request, const std::set<std::string>& known);
 

@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 constexpr std::size_t kChunkBytes = std::size_t{128} << 10;  // two of them per request
 
-enum class Ending { Whole, TooLong, TooSlow, Stopped, Lost };
+enum class Ending { Whole, TooLong, TooSlow, Stopped, Invalid, Lost };
 
 // Detects a client that keeps its connection open with a byte now and then.
 class RateGuard {
@@ -63,6 +63,7 @@ std::optional<Ending> ending_of(BodyRead::State state) {
         case BodyRead::State::More: return std::nullopt;
         case BodyRead::State::End: return Ending::Whole;
         case BodyRead::State::Stopped: return Ending::Stopped;
+        case BodyRead::State::Invalid: return Ending::Invalid;
         case BodyRead::State::Lost: break;
     }
     return Ending::Lost;
@@ -106,6 +107,10 @@ void throw_unless_whole(Ending ending) {
         case Ending::Stopped:
             throw Error(ErrorCode::Conflict,
                         "a newer request took over this upload, or the server is stopping");
+        case Ending::Invalid:
+            throw Error(ErrorCode::InvalidArgument,
+                        "the chunks of the body are invalid: ask with HEAD how much was received "
+                        "and send the rest");
         case Ending::Lost:
             throw Error(ErrorCode::Unavailable,
                         "the body did not arrive completely: ask with HEAD how much was received "

@@ -1,8 +1,7 @@
 #include "api/uploads/tus_headers.hpp"
 
-#include <boost/beast/core/string.hpp>
-
 #include "api/error_response.hpp"
+#include "api/field_values.hpp"
 #include "api/target.hpp"
 #include "schemas/error.hpp"
 
@@ -65,11 +64,7 @@ std::int64_t count_header(const Request& request, const std::string& name) {
 }
 
 bool brings_bytes(const Request& request) {
-    if (request.header("content-type") != kBytesType) return false;
-    const std::string coding = request.header("content-encoding");
-    if (!coding.empty() && !boost::beast::iequals(coding, "identity"))
-        throw Error(ErrorCode::Unsupported,
-                    "Content-Encoding is not supported: send the bytes without it");
+    if (media_type_of(request.header("content-type")) != kBytesType) return false;
     if (request.has_header("trailer"))
         throw Error(ErrorCode::Unsupported,
                     "trailers are not read: send Upload-Checksum as a header");

@@ -22,8 +22,8 @@ std::optional<Response> wrong_version(const Request& request);
 // a number.
 std::int64_t count_header(const Request& request, const std::string& name);
 
-// Returns whether the body is the upload's bytes. Throws Error{Unsupported} for a content coding
-// and for trailers, which the server would have to decode or read first.
+// Returns whether the body is the upload's bytes. Throws Error{Unsupported} for announced trailers,
+// which the server would have to read first.
 bool brings_bytes(const Request& request);
 void require_bytes(const Request& request);  // throws Error{Unsupported} if they are not
 

@@ -16,9 +16,27 @@ TEST(TargetTest, SplitsPathAndQueryAndUnescapesTheQueryAlone) {
 }
 
 TEST(TargetTest, RefusesBrokenEscapesRepeatedNamesAndForeignForms) {
-    for (const char* target :
-         {"/a?x=%", "/a?x=%4", "/a?x=%zz", "/a?x=%00", "/a?x=1&x=2", "http://other/", "*", ""})
+    for (const char* target : {"/a?x=%",
+                               "/a?x=%4",
+                               "/a?x=%zz",
+                               "/a?x=%00",
+                               "/a?x=1&x=2",
+                               "ftp://a/b",
+                               "http:///a",
+                               "http://me@a/",
+                               "a/b",
+                               "*",
+                               ""})
         EXPECT_THROW(parse_target(target), Error) << target;
+}
+
+TEST(TargetTest, SplitsTheAbsoluteForm) {
+    const auto target = parse_target("HTTP://dives.example:8080/api/v1/jobs?state=ready");
+    EXPECT_EQ(target.host, "dives.example:8080");
+    EXPECT_EQ(target.path, "/api/v1/jobs");
+    EXPECT_EQ(target.query.at("state"), "ready");
+    EXPECT_EQ(parse_target("https://[::1]?a=b").path, "/");
+    EXPECT_EQ(parse_target("/http://a").host, "");
 }
 
 TEST(TargetTest, UnescapesOnceOnly) {

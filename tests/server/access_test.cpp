@@ -99,6 +99,14 @@ TEST(AccessTest, EveryRouteWantsItsScopeAndNoOther) {
     }
 }
 
+TEST(AccessTest, EveryScopeOpensARoute) {
+    for (const auto scope : kScopes)
+        EXPECT_TRUE(std::any_of(api::routes().begin(),
+                                api::routes().end(),
+                                [scope](const api::Route& route) { return route.scope == scope; }))
+            << scope;
+}
+
 TEST(AccessTest, UnknownIdsAreNotFoundOnEveryRoute) {
     TestServer server;
     int num_routes = 0;

@@ -347,5 +347,53 @@ TEST_F(TusTest, AnotherProjectsPartIsNotSeen) {
     EXPECT_EQ(head(part).header("upload-offset"), "300000");
 }
 
+TEST_F(TusTest, ComparesTheContentTypeWithoutCaseAndParameters) {
+    const auto path = create_upload(server.port(), token, 1000);
+    Headers headers = tus_headers(token, {{"Upload-Offset", "0"}});
+    headers.emplace_back("Content-Type", "Application/Offset+Octet-Stream; charset=binary");
+    EXPECT_EQ(RawClient(server.port()).request("PATCH", path, headers, "hello").status, 204);
+    const auto made =
+        create({{"Upload-Length", "5"}, {"Content-Type", "APPLICATION/OFFSET+OCTET-STREAM ;a=b"}},
+               "hello");
+    EXPECT_EQ(made.status, 201);
+    EXPECT_EQ(made.header("upload-offset"), "5");
+}
+
+TEST_F(TusTest, AChecksumTrailerThatWasNotAnnouncedMeansNothing) {
+    const auto path = create_upload(server.port(), token, 1000);
+    Headers headers = patch_headers(token, 0);
+    headers.emplace_back("Transfer-Encoding", "chunked");
+    RawClient client(server.port());
+    client.send(request_head("PATCH", path, headers, std::nullopt) +
+                "5\r\nhello\r\n0\r\nUpload-Checksum: sha1 " + sha1_base64("other") + "\r\n\r\n");
+    const auto response = client.receive();
+    ASSERT_TRUE(response);
+    EXPECT_EQ(response->status, 204);
+    EXPECT_EQ(response->header("upload-offset"), "5");
+    EXPECT_EQ(client.request("GET", "/healthz/live").status, 200) << "the connection goes on";
+}
+
+// A newer request stops an older one; whichever of them stored the bytes has to learn it.
+TEST_F(TusTest, OfTwoPatchesAtOneOffsetTheOneThatStoredTheBytesIsTold204) {
+    for (int round = 0; round < 60; ++round) {
+        const auto path = create_upload(server.port(), token, 2'000'000);
+        const std::string head = request_head("PATCH", path, patch_headers(token, 0), bytes.size());
+        RawClient first(server.port());
+        RawClient second(server.port());
+        first.send(head);
+        first.send(bytes);
+        second.send(head);
+        second.send(bytes);
+        const auto a = first.receive();
+        const auto b = second.receive();
+        ASSERT_TRUE(a && b);
+        const auto offset = upload_offset(server.port(), token, path);
+        const int num_stored = (a->status == 204 ? 1 : 0) + (b->status == 204 ? 1 : 0);
+        const auto size = static_cast<std::int64_t>(bytes.size());
+        EXPECT_EQ(num_stored, offset == size ? 1 : 0)
+            << a->status << ' ' << b->status << " at " << offset;
+    }
+}
+
 }  // namespace
 }  // namespace divemesh

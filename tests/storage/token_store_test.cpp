@@ -39,6 +39,19 @@ TEST_F(TokenStoreTest, KnowsNoOtherSecret) {
         EXPECT_FALSE(tokens_.find(wrong));
 }
 
+TEST_F(TokenStoreTest, LeavesOutAScopeThatDoesNotExist) {
+    const std::string secret =
+        tokens_.create({.name = "laptop", .project = "north", .scopes = {"dives:read"}}).secret;
+    catalog_.transaction([](soci::session& session) {
+        session << R"(UPDATE tokens SET scopes = '["dives:read","reports:write"]')";
+    });
+
+    EXPECT_EQ(tokens_.find(secret)->scopes, std::vector<std::string>{"dives:read"});
+    EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [&] {
+        tokens_.create({.name = "other", .project = "north", .scopes = {"reports:write"}});
+    }));
+}
+
 TEST_F(TokenStoreTest, ARevokedTokenOpensNothing) {
     const CreatedToken created =
         tokens_.create({.name = "laptop", .project = "north", .scopes = {"admin"}});
