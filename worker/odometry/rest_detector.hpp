@@ -19,8 +19,8 @@ class RestDetector {
 public:
     explicit RestDetector(const types::RectifiedRig& rig) : rig_(rig) {}
 
-    // What is given to watch(). Most static features keep their places at rest. Of all features a
-    // part does if fish swim before the camera; then sensors have to say that the rig rests.
+    // Tells what watch() is given. At rest most static features keep their places. If fish swim
+    // before the camera, a part of all features does; then sensors have to say that the rig rests.
     enum class Seen { StaticFeatures, AllFeaturesAtRest };
 
     // Takes in the features of a frame and its pose. Returns T_world_cam of a rig whose image has

@@ -221,6 +221,7 @@ void TrackOptimiser::leave_lever_arm(types::OptimisedTrack earlier) {
 // Adjusts again from another start, then without what may have misled the bundle adjustment: first
 // the refined calibration, then the loops. If this does not help, the track stays as tracked.
 void TrackOptimiser::adjust_otherwise() {
+    result_.findings.resize(num_findings_before_adjusting_);
     types::Track restarted = closed_track();
     start_from_odometry(restarted);
     if (adjust(std::move(restarted))) return;

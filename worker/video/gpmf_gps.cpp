@@ -140,7 +140,7 @@ std::optional<GpsPosition> gps_position_of(const std::vector<GpmfPayload>& paylo
         fixes.insert(fixes.end(), more.begin(), more.end());
     }
     if (fixes.empty()) return std::nullopt;
-    // Of longitudes about the first one, so that those about 180 degrees have a median.
+    // Takes longitudes about the first one, so that those about 180 degrees have a median.
     const double about_deg = fixes.front().longitude_deg;
     const double off_deg = median_of(
         fixes, [&](const GpsFix& fix) { return wrapped_deg(fix.longitude_deg - about_deg); });

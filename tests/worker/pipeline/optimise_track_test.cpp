@@ -80,6 +80,7 @@ TEST_F(OptimiseTrackTest, StartsAgainFromTheOdometryWhereAnAdjustmentDiverges) {
     const types::OptimisedTrack result = optimised(track);
     EXPECT_EQ(result.statistics.bundle_adjustment.num_solves, 2);
     EXPECT_EQ(result.statistics.bundle_adjustment.num_failed, 1);
+    EXPECT_TRUE(result.findings.empty());
     EXPECT_FALSE(result.covariances.empty());
     EXPECT_THAT(whole_way(result.trajectory),
                 synthetic::IsPoseWithin(whole_way(track_.causal), 0.1, 0.005));
