@@ -14,7 +14,7 @@
 #include "schemas/json.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "worker/dive/archive_identity.hpp"
-#include "worker/recording/recorded_dive.hpp"
+#include "worker/recording/recorded_kind.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -43,15 +43,18 @@ struct HashedSource {
 
 HashedSource open_source(const fs::path& dive, ProgressBar& bar) {
     const std::string name = fs::canonical(dive).filename().string();
+    // Of other recordings the server tells the contents, as it makes the dive of them.
+    const bool is_dive = recording::recorded_kind(dive).is_dive();
     if (!fs::is_directory(dive)) {
         auto file = std::make_unique<client::FileSource>(dive);
         auto hashes = client::hash_archive(*file, show_bytes(bar, "hash", file->size_bytes()));
-        if (!recording::is_recording(dive))  // of one the server knows the contents alone
+        if (is_dive)
             hashes.content_sha256 = dive::archive_content_sha256(
                 dive, [&](const Progress& progress) { bar.show("open", progress.fraction, ""); });
         return {std::move(file), hashes, name};
     }
-    auto tar = std::make_unique<client::DiveTar>(dive, Links::Follow);
+    auto tar = std::make_unique<client::DiveTar>(
+        dive, Links::Follow, is_dive ? client::TarOf::Dive : client::TarOf::Recording);
     if (!tar->left_out().empty())
         bar.say("warning: " + std::to_string(tar->left_out().size()) +
                 " special files, or links that lead to no file, are left out; the first is " +

@@ -23,25 +23,27 @@ std::span<char> first_bytes(std::span<char> buffer, std::int64_t left) {
 
 }  // namespace
 
-DiveTar::DiveTar(const fs::path& folder, Links links)
+DiveTar::DiveTar(const fs::path& folder, Links links, TarOf of)
     : folder_(fs::canonical(folder)), links_(links) {
-    list_files();
+    list_files(of);
     lay_out();
 }
 
-void DiveTar::list_files() {
+void DiveTar::list_files(TarOf of) {
     FolderListing listing = list_folder(folder_, links_);
     left_out_ = std::move(listing.left_out);
     const auto root = find_dive_root(listing.files);
-    if (!root || !root->strip.empty()) {
+    is_dive_ = of == TarOf::Dive && root && root->strip.empty();
+    if (!is_dive_ && (of == TarOf::Dive || listing.files.empty())) {
         std::string problem = folder_.string() + " contains neither mav0 nor cam0";
         if (!left_out_.empty())
             problem += " (" + left_out_.front() + " is left out: a link or a special file)";
         throw Error(ErrorCode::NotFound, problem + ": give the folder of the dive");
     }
+    const std::string prefix = is_dive_ ? root->prefix : "";
     for (const auto& name : listing.files) {
         const fs::path source(name);
-        files_.push_back({root->prefix + name, source, stamp_of(folder_ / source, links_)});
+        files_.push_back({prefix + name, source, stamp_of(folder_ / source, links_)});
     }
 }
 
@@ -120,7 +122,7 @@ DiveHashes DiveTar::hash(const BytesDone& bytes_done) {
         bytes_done(file.offset + file.stamp.size_bytes);
     }
     archive.update(std::string(kEndBytes, '\0'));
-    return {archive.hex(), content_sha256(std::move(contents))};
+    return {archive.hex(), is_dive_ ? content_sha256(std::move(contents)) : ""};
 }
 
 DiveHashes hash_archive(ByteSource& archive, const BytesDone& bytes_done) {

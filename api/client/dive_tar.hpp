@@ -18,6 +18,9 @@ struct DiveHashes {
     std::string content_sha256;  // "" if only the archive was hashed
 };
 
+// Whether a folder is that of a dive, or of images or videos of which a server makes one.
+enum class TarOf { Dive, Recording };
+
 using BytesDone = std::function<void(std::int64_t bytes_done)>;
 
 // The tar of a dive's folder, made on the fly. Names are sorted by bytes; times, owners and modes
@@ -25,14 +28,15 @@ using BytesDone = std::function<void(std::int64_t bytes_done)>;
 // relative to the dive's root (schemas/content_hash.hpp).
 class DiveTar : public ByteSource {
 public:
-    // Lists the folder; reads no file. Throws Error{NotFound} if it has neither mav0/ nor cam0/,
-    // and Error{TooLarge} if links make more of it than a server accepts.
-    DiveTar(const std::filesystem::path& folder, Links links);
+    // Lists the folder; reads no file. Throws Error{NotFound} if a dive's has neither mav0/ nor
+    // cam0/, or a recording's no file, and Error{TooLarge} if links make more of it than a server
+    // accepts.
+    DiveTar(const std::filesystem::path& folder, Links links, TarOf of = TarOf::Dive);
 
     std::int64_t size_bytes() const override { return size_bytes_; }
     std::size_t read_at(std::int64_t offset, std::span<char> buffer) override;
 
-    // Computes both hashes in one pass over every file.
+    // Computes both hashes in one pass over every file; of a recording that of the tar alone.
     DiveHashes hash(const BytesDone& bytes_done);
 
     std::size_t num_files() const { return files_.size(); }
@@ -48,13 +52,14 @@ private:
         std::int64_t offset = 0;  // of its header in the tar
     };
 
-    void list_files();
+    void list_files(TarOf of);
     void lay_out();
     const OpenFile& open(const File& file);
     std::size_t read_content(const File& file, std::int64_t offset, std::span<char> buffer);
 
     std::filesystem::path folder_;
     Links links_;
+    bool is_dive_ = true;
     std::vector<File> files_;
     std::vector<std::string> left_out_;
     std::int64_t size_bytes_ = 0;

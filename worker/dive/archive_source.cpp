@@ -9,6 +9,7 @@
 #include <unordered_set>
 
 #include "schemas/content_hash.hpp"
+#include "worker/dive/archive_reader.hpp"
 #include "worker/dive/dive_source.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/pack_file.hpp"
@@ -16,8 +17,6 @@
 
 namespace divemesh::dive {
 namespace {
-
-constexpr std::int64_t kRatioCheckedFromBytes = std::int64_t{64} << 20;
 
 // Sets a UTF-8 locale for the thread, as libarchive converts names to the thread's locale.
 class Utf8Names {
@@ -102,7 +101,7 @@ private:
         Utf8Names utf8_names_;
         FileDescriptor file_;
         std::int64_t archive_bytes_ = 0;
-        std::unique_ptr<::archive, int (*)(::archive*)> reader_;
+        ArchiveReader reader_;
         archive_entry* entry_ = nullptr;
         std::string entry_name_;  // as written in the archive
         std::int64_t num_entries_ = 0;
@@ -121,16 +120,11 @@ ArchiveSource::Unpacker::Unpacker(ArchiveSource& source,
       limits_(limits),
       progress_(progress),
       file_(::open(path.c_str(), O_RDONLY | O_CLOEXEC)),
-      reader_(archive_read_new(), &archive_read_free) {
+      reader_(make_archive_reader()) {
     if (!file_.is_open())
         throw Error(ErrorCode::Unavailable,
                     "cannot open " + path.string() + ": " + std::strerror(errno));
-    if (reader_ == nullptr) throw std::bad_alloc();
     archive_bytes_ = static_cast<std::int64_t>(std::filesystem::file_size(path));
-    archive_read_support_format_tar(reader_.get());
-    archive_read_support_format_zip_seekable(reader_.get());
-    archive_read_support_filter_gzip(reader_.get());
-    archive_read_support_filter_zstd(reader_.get());
     if (archive_read_open_fd(reader_.get(), file_.get(), 1 << 18) != ARCHIVE_OK)
         refuse_unreadable();
 }
@@ -187,8 +181,7 @@ bool ArchiveSource::Unpacker::next_entry() {
         refuse("archive_too_many_entries",
                "has more than " + std::to_string(limits_.max_entries) + " entries",
                "Pack only one dive into an archive.");
-    // Filters can be stacked, and each layer multiplies the size of a decompression bomb.
-    if (archive_filter_count(reader_.get()) > 2)
+    if (archive_filter_count(reader_.get()) > kMaxArchiveFilters)
         refuse("archive_nested", "is compressed more than once", "Compress it once.");
     const char* name = archive_entry_pathname(entry_);
     if (name == nullptr)
@@ -213,8 +206,7 @@ void ArchiveSource::Unpacker::check_kind() const {
 }
 
 std::string ArchiveSource::Unpacker::checked_name() {
-    std::string_view name = entry_name_;
-    while (name.starts_with("./")) name.remove_prefix(2);
+    std::string_view name = plain_entry_name(entry_name_);
     const bool is_folder = archive_entry_filetype(entry_) == AE_IFDIR;
     if (is_folder && name.ends_with('/')) name.remove_suffix(1);
     if (is_folder && (name.empty() || name == ".")) return "";

@@ -23,8 +23,10 @@ bool ends_with_one_of(std::string_view name, const char* const (&extensions)[kSi
     });
 }
 
-// Returns whether a system put a file there: a part of its name begins with a point, or macOS's
-// folder of resource forks.
+}  // namespace
+
+bool is_image_name(std::string_view name) { return ends_with_one_of(name, kRead); }
+
 bool is_of_system(std::string_view name) {
     for (std::size_t start = 0; start < name.size();) {
         const std::size_t slash = std::min(name.find('/', start), name.size());
@@ -34,8 +36,6 @@ bool is_of_system(std::string_view name) {
     }
     return false;
 }
-
-}  // namespace
 
 bool is_image_folder(const std::filesystem::path& path) {
     std::error_code failure;
@@ -65,12 +65,14 @@ std::string_view stem_of(std::string_view name) {
 }
 
 ImageFolders::ImageFolders(const std::vector<std::filesystem::path>& folders,
+                           const std::filesystem::path& scratch,
                            dive::FindingLog& findings,
                            const base::ProgressCallback& progress,
                            Links links) {
+    dive::DiveLimits limits;
+    limits.max_file_bytes = limits.max_unpacked_bytes;  // of a video; read() bounds the others
     for (const std::filesystem::path& folder : folders)
-        sources_.push_back(
-            dive::open_folder(folder, dive::DiveLimits{}, progress, findings, links));
+        sources_.push_back(dive::open_source(folder, scratch, limits, progress, findings, links));
     for (std::size_t i = 0; i < sources_.size(); ++i)
         add(i, sources_.size() < 2 ? "" : i == 0 ? "left/" : "right/");
     std::sort(places_.begin(), places_.end(), [](const Place& a, const Place& b) {
@@ -78,7 +80,7 @@ ImageFolders::ImageFolders(const std::vector<std::filesystem::path>& folders,
     });
     for (const Place& place : places_) {
         names_.push_back(place.name);
-        if (ends_with_one_of(place.name, kRead)) images_.push_back(place.name);
+        if (is_image_name(place.name)) images_.push_back(place.name);
     }
     report_unread_formats(findings);
 }
@@ -133,6 +135,11 @@ std::string ImageFolders::read(std::string_view name, std::int64_t max_bytes) co
                     dive::printable(name) + " has " + std::to_string(place.file->size_bytes) +
                         " bytes, more than the " + std::to_string(max_bytes) + " allowed");
     return read_first(place, place.file->size_bytes);
+}
+
+void ImageFolders::read_all(std::string_view name, const dive::DiveSource::Sink& sink) const {
+    const Place& place = at(name);
+    sources_[place.folder]->read(*place.file, sink);
 }
 
 std::string ImageFolders::read_head(std::string_view name, std::int64_t num_bytes) const {

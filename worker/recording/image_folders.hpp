@@ -17,17 +17,25 @@ namespace divemesh::recording {
 // The largest image file that is read: 64 megapixels in colour of 16 bits.
 inline constexpr std::int64_t kMaxStill_bytes = std::int64_t{512} << 20U;
 
+// Returns whether a name is that of an image of a format that is read, by its extension.
+bool is_image_name(std::string_view name);
+
+// Returns whether a system put a file there: a part of its name begins with a point, or macOS's
+// folder of resource forks.
+bool is_of_system(std::string_view name);
+
 // Returns whether a path is a folder that is no ROS 2 bag: no .db3 or .mcap file lies directly in
 // it.
 bool is_image_folder(const std::filesystem::path& path);
 
-// The files of a recording that is one folder, or two: one for each camera. Those of the first are
-// named "left/..." then, those of the second "right/...". Names are only names: files are opened
-// below their folder.
+// The files of a recording that is one folder or archive, or two: one for each camera. Those of the
+// first are named "left/..." then, those of the second "right/...". Names are only names: files are
+// opened below their folder, those of archives are in one unlinked file in `scratch`.
 class ImageFolders {
 public:
-    // Lists the folders. Throws as dive::open_folder() does.
+    // Lists the folders. Throws as dive::open_source() does.
     ImageFolders(const std::vector<std::filesystem::path>& folders,
+                 const std::filesystem::path& scratch,
                  dive::FindingLog& findings,
                  const base::ProgressCallback& progress,
                  Links links = Links::LeaveOut);
@@ -38,12 +46,16 @@ public:
     // Returns those of images of a format that is read, by their extension, sorted.
     const std::vector<std::string>& images() const { return images_; }
     bool has(std::string_view name) const { return find(name) != nullptr; }
+    // Throws Error{NotFound} if there is no such file.
+    std::int64_t size_bytes(std::string_view name) const { return at(name).file->size_bytes; }
     // Returns the nearest file of one of these names, in the folder of an image or those above it;
     // "" if there is none.
     std::string nearest(std::string_view image, std::span<const char* const> file_names) const;
     // Returns the bytes of a file, or the first of them. Throws Error{BadData} if there are more
     // than `max_bytes`, Error{NotFound} if there is no such file, and as dive::DiveSource does.
     std::string read(std::string_view name, std::int64_t max_bytes) const;
+    // Passes the bytes of a file to `sink`, in chunks.
+    void read_all(std::string_view name, const dive::DiveSource::Sink& sink) const;
     std::string read_head(std::string_view name, std::int64_t num_bytes) const;
 
 private:

@@ -83,9 +83,10 @@ public:
         size_bytes_ += std::ssize(bytes);
     }
 
-    Provenance provenance(const std::vector<std::filesystem::path>& folders) {
-        std::string name = name_of(folders.front());
-        if (folders.size() == 2) name += " and " + name_of(folders.back());
+    Provenance provenance(const std::vector<std::filesystem::path>& folders, Naming naming) {
+        std::string name;
+        if (naming == Naming::AfterFile) name = name_of(folders.front());
+        if (!name.empty() && folders.size() == 2) name += " and " + name_of(folders.back());
         return {.name = name,
                 .files = {{name, content_sha256(std::move(hashed_)), size_bytes_}},
                 .findings = findings_.all()};
@@ -118,14 +119,14 @@ private:
 
 StillsImport::StillsImport(StillsOptions options, const base::ProgressCallback& progress)
     : options_(checked(std::move(options))),
-      folders_(options_.folders, findings_, progress, options_.links),
+      folders_(options_.folders, options_.scratch, findings_, progress, options_.links),
       sides_(find_camera_sides(folders_.images(), options_.cameras, findings_)),
       images_(pair_images(find_image_times(folders_, sides_, options_.times, findings_, progress),
                           findings_)) {}
 
 ImportCounts StillsImport::write(const base::ProgressCallback& progress) {
     const RigFiles rig = find_rig();
-    DiveWriter writer(options_.out);
+    DiveWriter writer(options_.out, options_.durability);
     StillsWriter stills(folders_, rig, options_.pixels, writer, findings_);
     const auto num_images = static_cast<double>(images_.left.size() + images_.right.size());
     double num_done = 0.0;
@@ -139,7 +140,7 @@ ImportCounts StillsImport::write(const base::ProgressCallback& progress) {
         throw Error(ErrorCode::BadData,
                     "no image of one of the cameras can be read: " + findings().back().message);
     add_sensors(rig, writer);
-    writer.commit(rig, stills.provenance(options_.folders));
+    writer.commit(rig, stills.provenance(options_.folders, options_.naming));
     return {writer.num_images(Side::Left),
             writer.num_images(Side::Right),
             writer.num_imu(),
@@ -149,11 +150,11 @@ ImportCounts StillsImport::write(const base::ProgressCallback& progress) {
 RigFiles StillsImport::find_rig() {
     const ImageSize size = image_size(images_.left, "left");
     if (options_.is_uncalibrated) return uncalibrated_rig(size, image_size(images_.right, "right"));
-    if (options_.calibration.empty())
-        return rig_of_layout(options_.folders.front(), folders_, sides_, size, findings_);
     RigHints hints;
     hints.resolution = {static_cast<double>(size.width_px), static_cast<double>(size.height_px)};
     hints.metres_per_unit = options_.metres_per_unit;
+    if (options_.calibration.empty())
+        return rig_of_layout(options_.folders.front(), folders_, sides_, hints, findings_);
     return read_rig(options_.calibration, findings_, hints);
 }
 

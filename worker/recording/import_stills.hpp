@@ -17,7 +17,8 @@ namespace divemesh::recording {
 
 struct StillsOptions {
     std::vector<std::filesystem::path>
-        folders;  // one, or that of the left camera and the right one
+        folders;  // or archives: one, or that of the left camera and the right one
+    std::filesystem::path scratch;  // folder for what archives hold
     Links links = Links::LeaveOut;
     std::filesystem::path out;                       // folder of the dive, which must not exist
     std::vector<std::filesystem::path> calibration;  // as read_rig() takes them; none: as found
@@ -27,6 +28,8 @@ struct StillsOptions {
     std::string imu;  // "none": the IMU is left out
     TimeOptions times;
     PixelOptions pixels;
+    Naming naming = Naming::AfterFile;
+    base::Durability durability = base::Durability::Synced;
 };
 
 // Turns folders of images into a dive in EuRoC layout: stills of two cameras, KITTI's odometry and

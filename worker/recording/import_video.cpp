@@ -120,7 +120,7 @@ void VideoImport::check_sizes() const {
 }
 
 ImportCounts VideoImport::write(const base::ProgressCallback& progress) {
-    DiveWriter writer(options_.out);
+    DiveWriter writer(options_.out, options_.durability);
     const auto clock = find_clock(base::part_of(progress, kIndexed, kAligned));
     const auto pairs = plan(clock);
     report_gaps(pairs, clock);
@@ -136,6 +136,7 @@ ImportCounts VideoImport::write(const base::ProgressCallback& progress) {
     for (const auto& video : videos_)
         for (const video::VideoPart& part : video.parts)
             provenance.files.push_back(imported_file(part.path.filename().string(), {part.path}));
+    if (options_.naming == Naming::Unnamed) remove_names(provenance);
     writer.commit(rig_, provenance);
     return {writer.num_images(Side::Left), writer.num_images(Side::Right), writer.num_imu(), 0};
 }

@@ -27,6 +27,8 @@ struct VideoImportOptions {
     std::optional<double> metres_per_unit;           // of T in them
     std::string imu;                                 // "none": the telemetry is left out
     std::filesystem::path out;                       // folder of the dive, which must not exist
+    Naming naming = Naming::AfterFile;
+    base::Durability durability = base::Durability::Synced;
 };
 
 // Returns whether a file begins as a video does. Throws as InputFile does.

@@ -4,6 +4,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/dive/entry_name.hpp"
+#include "worker/recording/calibrations_beside.hpp"
 
 namespace divemesh::recording {
 namespace {
@@ -51,13 +52,17 @@ std::optional<std::string> euroc_folder(const CameraSides& sides) {
 RigFiles rig_of_layout(const std::filesystem::path& root,
                        const ImageFolders& folders,
                        const CameraSides& sides,
-                       ImageSize size,
+                       const RigHints& hints,
                        dive::FindingLog& findings) {
     const auto folder = euroc_folder(sides);
     if (folder && folders.has(*folder + "cam0/sensor.yaml") &&
         folders.has(*folder + "cam1/sensor.yaml"))
         return rig_of_folder(root / *folder, findings);
+    const ImageSize size{static_cast<std::int64_t>(hints.resolution[0]),
+                         static_cast<std::int64_t>(hints.resolution[1])};
     if (auto rig = kitti_rig(folders, sides, size, findings)) return std::move(*rig);
+    if (const auto files = calibrations_beside(folders, findings); !files.empty())
+        return rig_of_texts(files, findings, hints);
     throw Error(ErrorCode::BadData,
                 std::string("the recording has no calibration that is read: ") + kStateCalibration);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "worker/dive/finding_log.hpp"
+#include "worker/recording/calibration_parts.hpp"
 #include "worker/recording/camera_sides.hpp"
 #include "worker/recording/image_folders.hpp"
 #include "worker/recording/kitti_calibration.hpp"
@@ -19,12 +20,12 @@ namespace divemesh::recording {
 std::optional<std::string> euroc_folder(const CameraSides& sides);
 
 // Returns the calibration that lies beside the images: sensor.yaml of EuRoC's layout below `root`,
-// or KITTI's calib.txt or calib_cam_to_cam.txt, for images of this size. Throws Error{BadData} that
-// says what to do if there is none.
+// KITTI's calib.txt or calib_cam_to_cam.txt, or files that rig_of_texts() reads. Throws
+// Error{BadData} that says what to do if there is none, and as they do.
 RigFiles rig_of_layout(const std::filesystem::path& root,
                        const ImageFolders& folders,
                        const CameraSides& sides,
-                       ImageSize size,
+                       const RigHints& hints,
                        dive::FindingLog& findings);
 
 }  // namespace divemesh::recording

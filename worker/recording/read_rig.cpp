@@ -80,19 +80,24 @@ CalibrationParts parts_of(std::string_view text,
     return parts;
 }
 
-CalibrationParts parts_of_file(const fs::path& file,
+CalibrationParts parts_of_file(const CalibrationText& file,
                                const RigHints& hints,
                                dive::FindingLog& findings) {
-    const std::string name = dive::printable(file.string());
-    const std::string text = text_of(file);
+    const std::string name = dive::printable(file.name);
     try {
-        return parts_of(text, name, hints, findings);
+        return parts_of(file.bytes, name, hints, findings);
     } catch (const YAML::Exception& error) {
         const std::string line =
             error.mark.is_null() ? "" : ":" + std::to_string(error.mark.line + 1);
         fail(name + line + " cannot be read as a calibration: " + dive::printable(error.msg) +
              ": " + kFormats);
     }
+}
+
+void check_number(std::size_t num_files) {
+    if (num_files == 0 || num_files > kMaxFiles)
+        throw Error(ErrorCode::InvalidArgument,
+                    "a calibration is 1 to " + std::to_string(kMaxFiles) + " files: " + kFormats);
 }
 
 fs::path root_of(const fs::path& dive) {
@@ -105,18 +110,34 @@ fs::path root_of(const fs::path& dive) {
 RigFiles read_rig(const std::vector<fs::path>& files,
                   dive::FindingLog& findings,
                   const RigHints& hints) {
-    if (files.empty() || files.size() > kMaxFiles)
-        throw Error(ErrorCode::InvalidArgument,
-                    "a calibration is 1 to " + std::to_string(kMaxFiles) + " files: " + kFormats);
     std::error_code unknown;
     if (files.size() == 1 && fs::is_directory(files[0], unknown))
         return rig_of_folder(files[0], findings);
+    check_number(files.size());
+    std::vector<CalibrationText> texts;
+    for (const fs::path& file : files) texts.push_back({file.string(), text_of(file)});
+    return rig_of_texts(texts, findings, hints);
+}
+
+bool is_calibration(std::string_view bytes) {
+    if (is_mat(bytes) || is_npz(bytes) || dive::foreign_calibration(bytes)) return true;
+    const auto has = [&](std::string_view key) {
+        return bytes.find(key) != std::string_view::npos;
+    };
+    return has("gyroscope_noise_density") && !has("T_BS");  // Kalibr's IMU, not that of a dive
+}
+
+RigFiles rig_of_texts(const std::vector<CalibrationText>& files,
+                      dive::FindingLog& findings,
+                      const RigHints& hints) {
+    check_number(files.size());
     CalibrationParts parts;
-    for (const fs::path& file : files) add_parts(parts_of_file(file, hints, findings), file, parts);
+    for (const CalibrationText& file : files)
+        add_parts(parts_of_file(file, hints, findings), file.name, parts);
     try {
         return assemble_rig(parts, hints, findings);
     } catch (const Error& error) {
-        throw Error(error.code(), dive::printable(files[0].string()) + ": " + error.what());
+        throw Error(error.code(), dive::printable(files[0].name) + ": " + error.what());
     }
 }
 

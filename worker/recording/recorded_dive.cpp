@@ -1,43 +1,100 @@
 #include "worker/recording/recorded_dive.hpp"
 
+#include <string>
 #include <utility>
 
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/refusal.hpp"
 #include "worker/recording/import_recording.hpp"
+#include "worker/recording/import_stills.hpp"
+#include "worker/recording/import_video.hpp"
+#include "worker/recording/recorded_kind.hpp"
+#include "worker/recording/videos_of_recording.hpp"
 
 namespace divemesh::recording {
+namespace {
 
-bool is_recording(const std::filesystem::path& file) {
+namespace fs = std::filesystem;
+
+void import_messages(const fs::path& recording,
+                     const fs::path& out,
+                     const base::ProgressCallback& progress) {
+    ImportOptions options;
+    options.recording = recording;
+    options.out = out;
+    options.naming = Naming::Unnamed;
+    options.durability = base::Durability::Unsynced;
+    RecordingImport(options, progress).write(progress);
+}
+
+void import_images(const fs::path& recording,
+                   const fs::path& scratch,
+                   const fs::path& out,
+                   const base::ProgressCallback& progress) {
+    StillsOptions options;
+    options.folders = {recording};
+    options.scratch = scratch;
+    options.out = out;
+    options.naming = Naming::Unnamed;
+    options.durability = base::Durability::Unsynced;
+    StillsImport(options, progress).write(progress);
+}
+
+void import_videos(const fs::path& recording,
+                   const fs::path& scratch,
+                   const fs::path& out,
+                   const base::ProgressCallback& progress) {
+    const fs::path unpacked = scratch / "videos";
+    fs::create_directories(unpacked);
+    VideoImportOptions options = videos_of_recording(recording, unpacked, progress);
+    options.out = out;
+    options.naming = Naming::Unnamed;
+    options.durability = base::Durability::Unsynced;
+    VideoImport(options, progress).write(progress);
+    fs::remove_all(unpacked);  // the images that were chosen are in the dive
+}
+
+// Returns whether an import says by this error that the recording does not tell enough.
+bool is_of_recording(const Error& error) {
+    const ErrorCode code = error.code();
+    return code == ErrorCode::BadData || code == ErrorCode::InvalidArgument ||
+           code == ErrorCode::TooLarge;
+}
+
+}  // namespace
+
+bool is_recording(const fs::path& file) {
     std::error_code failure;
-    if (!std::filesystem::is_regular_file(file, failure)) return false;
+    if (!fs::is_regular_file(file, failure)) return false;
     return is_container(InputFile(file));
 }
 
-std::filesystem::path as_dive(const std::filesystem::path& path,
-                              const std::filesystem::path& scratch,
-                              const base::ProgressCallback& progress) {
-    if (!is_recording(path)) return path;
-    ImportOptions options;
-    options.recording = path;
-    options.out = scratch / "imported";
-    options.naming = Naming::Unnamed;
-    options.durability = base::Durability::Unsynced;
+fs::path as_dive(const fs::path& path,
+                 const fs::path& scratch,
+                 const base::ProgressCallback& progress) {
+    using enum RecordedKind::Kind;
+    const RecordedKind recorded = recorded_kind(path);
+    fs::path out = scratch / "imported";
     try {
-        RecordingImport(options, progress).write(progress);
+        switch (recorded.kind) {
+            case Dive: return path;
+            case Messages: import_messages(path, out, progress); break;
+            case Images: import_images(path, scratch, out, progress); break;
+            case Videos: import_videos(path, scratch, out, progress); break;
+        }
+    } catch (const dive::Refusal&) {
+        throw;  // which says what is wrong with the archive
     } catch (const Error& error) {
-        const ErrorCode code = error.code();
-        if (code != ErrorCode::BadData && code != ErrorCode::InvalidArgument &&
-            code != ErrorCode::TooLarge)
-            throw;
+        if (!is_of_recording(error)) throw;
+        if (recorded.may_be_dive) return path;  // which tells what a dive lacks
         throw dive::Refusal("recording_unclear",
                             dive::printable(path.filename().string()),
                             std::string("the recording does not make a dive by itself: ") +
                                 dive::printable(error.what()),
-                            "Turn it into a dive by divemesh import, which takes topics and a "
-                            "calibration, and use that dive.");
+                            "Turn it into a dive by divemesh import, which takes what is missing, "
+                            "such as topics or a calibration, and use that dive.");
     }
-    return options.out;
+    return out;
 }
 
 }  // namespace divemesh::recording

@@ -10,9 +10,10 @@ namespace divemesh::recording {
 bool is_recording(const std::filesystem::path& file);
 
 // Returns what dive::Dive::open() opens: `path` itself, or the folder in `scratch` that a recording
-// is turned into, with the topics and the calibration that it tells itself. The same recording
-// gives the same dive, whatever its file is called. Throws dive::Refusal if it does not tell them,
-// and Error{Cancelled} if `progress` does.
+// is turned into: a bag or MCAP, or images or videos in a folder or an archive, with the cameras,
+// times and calibration that it tells itself. The same recording gives the same dive, whatever its
+// file is called. Throws dive::Refusal if it does not tell them, and Error{Cancelled} if `progress`
+// does.
 std::filesystem::path as_dive(const std::filesystem::path& path,
                               const std::filesystem::path& scratch,
                               const base::ProgressCallback& progress);

@@ -139,6 +139,21 @@ TEST_F(DiveTarTest, RefusesAFolderThatIsNoDive) {
     EXPECT_THROW(DiveTar(folder.path(), Links::LeaveOut), Error);  // the parent folder of a dive
 }
 
+TEST_F(DiveTarTest, SendsAFolderOfImagesAsItIs) {
+    write_file(folder / "stills/left/1.png", "left");
+    write_file(folder / "stills/right/1.png", "right");
+    DiveTar tar(folder / "stills", Links::LeaveOut, TarOf::Recording);
+    write_file(folder / "stills.tar", read_from(tar, 0, 1000));
+    EXPECT_EQ(output_of("tar -tf '" + (folder / "stills.tar").string() + "'"),
+              "left/1.png\nright/1.png\n");
+    const DiveHashes hashes = tar.hash([](std::int64_t) {});
+    EXPECT_EQ(hashes.archive_sha256, sha256_hex(read_from(tar, 0, 4096)));
+    EXPECT_EQ(hashes.content_sha256, "");  // the server tells it, which makes the dive of it
+
+    fs::create_directory(folder / "nothing");
+    EXPECT_THROW(DiveTar(folder / "nothing", Links::LeaveOut, TarOf::Recording), Error);
+}
+
 TEST_F(DiveTarTest, NoticesAFileThatChangedMeanwhile) {
     DiveTar tar(dive, Links::LeaveOut);
     write_file(dive / "mav0/block", std::string(513, 'b'));
