@@ -87,10 +87,10 @@ void add_scale(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
 }
 
 void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expected) {
-    if (input.recording.rig().imu_noise)
+    if (input.track.imu_vision_disagreement_deg > 0.0)  // 0: no IMU was used
         expected.imu_vision_disagreement_deg = input.track.imu_vision_disagreement_deg;
     else
-        expected.left_out.push_back({"imu_vision_disagreement_deg", "the dive has no IMU"});
+        expected.left_out.push_back({"imu_vision_disagreement_deg", "the dive has no IMU, or none is used"});
     if (input.optimise.reprojection_rms_px > 0.0)
         expected.reprojection_rms_px = input.optimise.reprojection_rms_px;
     else

@@ -108,6 +108,10 @@ void add_absolute_errors(const std::vector<PosePair>& pairs, TrajectoryError& re
     result.rotation_rmse_deg = stats::root_mean_square(angles_deg);
 }
 
+nlohmann::json number_or_null(const std::optional<double>& value) {
+    return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
 }  // namespace
 
 TrajectoryError trajectory_error(const types::Trajectory& estimate,
@@ -154,8 +158,8 @@ nlohmann::json to_metrics(const TrajectoryError& error) {
                               {"sim3_scale", error.sim3_scale},
                               {"sim3_ate_rmse_m", error.sim3_ate_rmse_m},
                               {"end_drift_m", error.end_drift_m},
-                              {"end_drift_percent", error.end_drift_percent},
-                              {"drift_percent", error.drift_percent},
+                              {"end_drift_percent", number_or_null(error.end_drift_percent)},
+                              {"drift_percent", number_or_null(error.drift_percent)},
                               {"segments", segments}};
     if (error.revisit)
         metrics["revisit"] = {{"num_frames", error.revisit->num_frames},

@@ -35,9 +35,10 @@ struct TrajectoryError {
     double rotation_rmse_deg = 0.0;  // after the same alignment
     double sim3_scale = 1.0;         // diagnostic: the best-fitting scale, not applied
     double sim3_ate_rmse_m = 0.0;
-    double end_drift_m = 0.0;             // at the last pose, with the first poses aligned
-    double end_drift_percent = 0.0;       // of path_length_m
-    double drift_percent = 0.0;           // mean of translation error / length over all segments
+    double end_drift_m = 0.0;                 // at the last pose, with the first poses aligned
+    std::optional<double> end_drift_percent;  // of path_length_m; nullopt: that is 0
+    // Mean of translation error / length over all segments; nullopt: the path has none.
+    std::optional<double> drift_percent;
     std::vector<SegmentError> segments;   // 1, 2, 5, 10 m, as far as the path is long enough
     std::optional<RevisitError> revisit;  // nullopt: the path revisits no place
     Eigen::Isometry3d T_reference_estimate = Eigen::Isometry3d::Identity();

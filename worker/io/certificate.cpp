@@ -48,11 +48,11 @@ json::json_pointer pointer_of(std::string_view metric) {
                     ": use the file as `divemesh reconstruct` wrote it");
 }
 
-// Copies a field to the same place, unless metrics.json does not have it.
+// Copies a field to the same place, unless metrics.json has no value of it.
 template <typename Type>
 void copy(const json& metrics, std::string_view name, json& certificate) {
     const json::json_pointer pointer = pointer_of(name);
-    if (!metrics.contains(pointer)) return;
+    if (!metrics.contains(pointer) || metrics.at(pointer).is_null()) return;
     const json& value = metrics.at(pointer);
     const bool fits = std::is_same_v<Type, double> ? value.is_number() : value.is_string();
     if (!fits)

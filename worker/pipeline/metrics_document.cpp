@@ -232,7 +232,7 @@ json tracking(const MetricsInput& input) {
                    {"median_track_life_frames", track.median_track_life_frames},
                    {"num_landmarks", input.num_landmarks},
                    {"reprojection_rms_px", input.optimise.reprojection_rms_px}};
-    if (input.rig.imu_noise)
+    if (track.imu_vision_disagreement_deg > 0.0)  // 0: no IMU was used
         result["imu_vision_disagreement_deg"] = track.imu_vision_disagreement_deg;
     return result;
 }
@@ -263,11 +263,13 @@ json segments(const std::vector<types::TrackingSegment>& segments) {
 }
 
 json loops(const types::LoopStatistics& loops) {
-    return {{"num_candidates", loops.num_candidates},
-            {"num_matched", loops.num_matched},
-            {"num_accepted", loops.num_accepted},
-            {"num_rejected", loops.num_matched - loops.num_accepted},
-            {"largest_correction_m", loops.largest_correction_m}};
+    json result = {{"num_candidates", loops.num_candidates},
+                   {"num_matched", loops.num_matched},
+                   {"num_accepted", loops.num_accepted},
+                   {"num_rejected", loops.num_matched - loops.num_accepted},
+                   {"largest_correction_m", nullptr}};
+    if (loops.num_accepted > 0) result["largest_correction_m"] = loops.largest_correction_m;
+    return result;
 }
 
 json estimation(const MetricsInput& input) {

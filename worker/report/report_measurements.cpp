@@ -82,8 +82,6 @@ void Measuring::compare_trajectories() try {
     result_.trajectory = evaluation::trajectory_error(result_.path, poses, options);
     result_.has_orientation = registration.has_orientation;
     const auto known_sections = [&](json metrics) {
-        // Without segments the drift is unknown, not zero.
-        if (metrics.at("segments").empty()) metrics["drift_percent"] = nullptr;
         return registration.has_orientation ? metrics
                                             : evaluation::without_rotations(std::move(metrics));
     };

@@ -102,7 +102,27 @@ TEST(TrajectoryError, AConstantTurnRateErrorShowsAsDegreesPerMetre) {
         EXPECT_NEAR(segment.translation_mean_percent, 0.5 * segment.length_m, 0.02);
     }
     EXPECT_NEAR(error.path_length_m, 20.0, 1e-9);
-    EXPECT_NEAR(error.end_drift_percent, 10.0, 0.1);
+    EXPECT_NEAR(error.end_drift_percent.value(), 10.0, 0.1);
+}
+
+TEST(TrajectoryError, WhatAShortPathDoesNotTellHasNoValue) {
+    const auto of_length = [](double length_m) {
+        return [length_m](double t) {
+            Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+            pose.translation() = Eigen::Vector3d(length_m * std::min(t, 1.0), 0.0, 0.0);
+            return pose;
+        };
+    };
+    const types::Trajectory shorter = sample(of_length(0.9), 50);
+    const nlohmann::json metrics = to_metrics(trajectory_error(shorter, shorter));
+    EXPECT_TRUE(metrics.at("drift_percent").is_null()) << metrics.dump(2);
+    EXPECT_EQ(metrics.at("end_drift_percent"), 0.0);
+
+    const types::Trajectory still = sample(of_length(0.0), 50);
+    EXPECT_TRUE(to_metrics(trajectory_error(still, still)).at("end_drift_percent").is_null());
+
+    const types::Trajectory longer = sample(of_length(1.1), 50);
+    EXPECT_EQ(to_metrics(trajectory_error(longer, longer)).at("drift_percent"), 0.0);
 }
 
 TEST(TrajectoryError, TruthIsInterpolatedToTheStampsOfTheEstimate) {

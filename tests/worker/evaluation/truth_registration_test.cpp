@@ -168,7 +168,7 @@ TEST(TruthRegistration, ATrackerOfPositionsAloneGivesNoRotations) {
     EXPECT_NEAR(registered.registration.time_offset_s, kOffset_s, 1e-3);
     const auto error = trajectory_error(estimate, registered.poses, registered.options);
     EXPECT_LT(error.ate_rmse_m, 2e-3);
-    EXPECT_LT(error.drift_percent, 0.5);
+    EXPECT_LT(error.drift_percent.value(), 0.5);
     const auto metrics = without_rotations(to_metrics(error));
     EXPECT_FALSE(metrics.contains("rotation_rmse_deg"));
 }

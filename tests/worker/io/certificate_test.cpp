@@ -66,6 +66,15 @@ TEST_F(CertificateTest, LeavesOutWhatOlderVersionsDoNotState) {
     EXPECT_EQ(certificate_line(certificate), "divemesh of an older version; verdict: not stated");
 }
 
+TEST_F(CertificateTest, LeavesOutWhatWasNotMeasured) {
+    json unmeasured = metrics();
+    unmeasured["trajectory"]["final"]["drift_percent"] = nullptr;
+    const json accuracy = certificate_of(unmeasured).at("accuracy");
+    EXPECT_FALSE(accuracy.contains("trajectory.final.drift_percent"));
+    unmeasured["trajectory"]["final"]["drift_percent"] = 0.5;
+    EXPECT_EQ(certificate_of(unmeasured).at("accuracy").at("trajectory.final.drift_percent"), 0.5);
+}
+
 TEST_F(CertificateTest, ItsLineStatesVerdictAndAccuracy) {
     EXPECT_EQ(certificate_line(certificate_of(metrics())),
               "divemesh 0.1.0; verdict: usable with restrictions: path, scale; scale 0.293 % (1 "
