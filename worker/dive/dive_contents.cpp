@@ -4,6 +4,7 @@
 #include <array>
 
 #include "worker/base/text.hpp"
+#include "worker/camera/virtual_camera.hpp"
 #include "worker/dive/calibration.hpp"
 #include "worker/dive/calibration_format.hpp"
 #include "worker/dive/common_clock.hpp"
@@ -13,6 +14,7 @@
 #include "worker/dive/sensor_tables.hpp"
 #include "worker/dive/sensor_yaml.hpp"
 #include "worker/dive/stamp_check.hpp"
+#include "worker/dive/stated_water.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -53,6 +55,7 @@ private:
     void read_cameras();
     void read_other_sensors();
     void read_rig();
+    void move_into_water();
     void to_imu_frame(const Eigen::Isometry3d& T_body_imu);
 
     std::optional<std::string> read_text(const std::string& file, std::int64_t max_bytes);
@@ -225,12 +228,26 @@ void ContentsReader::read_rig() {
     rig.cam1 = cam1->camera;
     rig.T_imu_cam0 = T_body_imu.inverse() * cam0->T_body_cam;
     rig.T_imu_cam1 = T_body_imu.inverse() * cam1->T_body_cam;
+    move_into_water();
     contents_.has_rig = true;
     if (rig.cam0.width_px != rig.cam1.width_px || rig.cam0.height_px != rig.cam1.height_px)
         findings_.error("calibration_resolution",
                         "mav0/cam1/sensor.yaml",
                         "cam0 and cam1 have different resolutions",
                         "Record both cameras with the same resolution.");
+}
+
+// Has the cameras behind a port see through it into the water of dive.json.
+void ContentsReader::move_into_water() {
+    types::Rig& rig = contents_.rig;
+    const auto needs_water = [](const types::Camera& camera) {
+        return camera.port && camera.port->water_index == 0.0;
+    };
+    const double index = needs_water(rig.cam0) || needs_water(rig.cam1)
+                             ? index_of_water(contents_.info, findings_)
+                             : 0.0;
+    camera::move_into_water(rig.cam0, rig.T_imu_cam0, index);
+    camera::move_into_water(rig.cam1, rig.T_imu_cam1, index);
 }
 
 // Converts samples from the frames of the sensors to that of the IMU.
