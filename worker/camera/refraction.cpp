@@ -1,15 +1,18 @@
 #include "worker/camera/refraction.hpp"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <cmath>
-
-#include "worker/camera/lens_parts.hpp"
 
 namespace divemesh::camera {
 namespace {
 
 constexpr double kMinCosine = 1e-6;
-constexpr double kMaxError = 1e-9;  // of normalised image coordinates
+// Of normalised image coordinates.
+constexpr double kStep = 1e-6;
+constexpr double kConverged = 1e-12;
+constexpr double kMaxError = 1e-9;
+constexpr int kMaxIterations = 30;
 
 // Where a ray leaves a face, and the unit normal there, towards the water.
 struct Passage {
@@ -46,6 +49,15 @@ std::optional<Eigen::Vector3d> refracted(const Eigen::Vector3d& direction,
     return ratio * direction + (std::sqrt(cosine2_behind) - ratio * cosine) * normal;
 }
 
+// Returns where the search for normalised image coordinates in air begins: at those of the same
+// direction in the water, behind a flat port bent as at a thin one across the axis.
+Eigen::Vector2d first_guess(const types::Port& port, const Eigen::Vector2d& in_water) {
+    const double index2 = port.water_index * port.water_index;
+    const double cosine2 = 1.0 - (index2 - 1.0) * in_water.squaredNorm();
+    if (port.shape != types::Port::Shape::Flat || cosine2 < 0.1) return in_water;
+    return port.water_index / std::sqrt(cosine2) * in_water;
+}
+
 }  // namespace
 
 std::optional<base::Ray> ray_in_water(const types::Port& port, const Eigen::Vector3d& direction) {
@@ -62,17 +74,28 @@ std::optional<base::Ray> ray_in_water(const types::Port& port, const Eigen::Vect
 }
 
 std::optional<Eigen::Vector3d> direction_to(const types::Port& port, const Eigen::Vector3d& p_cam) {
-    // Where the ray of normalised image coordinates n, in air, is at the depth of the point.
-    const auto seen = [&](const Eigen::Vector2d& n) -> Eigen::Vector2d {
-        const auto ray = ray_in_water(port, n.homogeneous());
-        if (!ray || ray->direction.z() < kMinCosine) return 1e3 * n;
-        const double way_m = (p_cam.z() - ray->origin.z()) / ray->direction.z();
-        return (ray->origin + way_m * ray->direction).head<2>() / p_cam.z();
-    };
     if (!(p_cam.z() > kMinCosine)) return std::nullopt;
     const Eigen::Vector2d wanted = p_cam.head<2>() / p_cam.z();
-    const Eigen::Vector2d n = inverse_by_newton(seen, wanted);
-    if (!((seen(n) - wanted).norm() < kMaxError)) return std::nullopt;
+    // By how much the ray of normalised image coordinates n, in air, misses the point.
+    const auto miss = [&](const Eigen::Vector2d& n) -> Eigen::Vector2d {
+        const auto ray = ray_in_water(port, n.homogeneous());
+        if (!ray || ray->direction.z() < kMinCosine) return 1e3 * n - wanted;
+        const double way_m = (p_cam.z() - ray->origin.z()) / ray->direction.z();
+        return (ray->origin + way_m * ray->direction).head<2>() / p_cam.z() - wanted;
+    };
+    Eigen::Vector2d n = first_guess(port, wanted);
+    Eigen::Vector2d error = miss(n);
+    Eigen::Matrix2d J;
+    for (int axis = 0; axis < 2; ++axis)
+        J.col(axis) = (miss(n + kStep * Eigen::Vector2d::Unit(axis)) - error) / kStep;
+    for (int i = 0; i < kMaxIterations && error.squaredNorm() > kConverged * kConverged; ++i) {
+        const Eigen::Vector2d step = -J.inverse() * error;
+        const Eigen::Vector2d error_there = miss(n + step);
+        J += error_there * step.transpose() / step.squaredNorm();
+        n += step;
+        error = error_there;
+    }
+    if (!(error.norm() < kMaxError)) return std::nullopt;
     return Eigen::Vector3d(n.homogeneous());
 }
 

@@ -15,8 +15,8 @@ namespace divemesh::camera {
 std::optional<base::Ray> ray_in_water(const types::Port& port, const Eigen::Vector3d& direction);
 
 // Returns the direction, with z = 1, in which the light of a point in the water arrives at the
-// lens: the inverse of ray_in_water() by Newton's method, as the path through two faces has no
-// closed form of use (Agrawal, Ramalingam, Taguchi and Chari 2012: a polynomial of degree 12).
+// lens: the inverse of ray_in_water() by Broyden's method (1965), as the path through two faces has
+// no closed form of use (Agrawal, Ramalingam, Taguchi and Chari 2012: a polynomial of degree 12).
 // The point is in the camera's frame, m. nullopt where no ray reaches the lens from the front.
 std::optional<Eigen::Vector3d> direction_to(const types::Port& port, const Eigen::Vector3d& p_cam);
 

@@ -71,7 +71,8 @@ private:
     const DiveLimits& limits_;
     FindingLog& findings_;
     DiveContents contents_;
-    CommonClock clock_{findings_};  // of the tables read so far
+    std::optional<types::Port> port_;  // of dive.json
+    CommonClock clock_{findings_};     // of the tables read so far
 };
 
 std::optional<std::string> ContentsReader::read_text(const std::string& file,
@@ -88,8 +89,11 @@ std::optional<std::string> ContentsReader::read_text(const std::string& file,
 }
 
 void ContentsReader::read_json() {
-    if (const auto text = read_text("dive.json", kMaxJsonBytes))
+    if (const auto text = read_text("dive.json", kMaxJsonBytes)) {
         contents_.info = parse_dive_info(*text, findings_);
+        if (const auto port = parse_port(*text, findings_))
+            port_ = port_of(*port, "dive.json", findings_);
+    }
     if (const auto text = read_text("measurements.json", kMaxJsonBytes))
         contents_.known_distances = parse_known_distances(*text, findings_);
     if (const auto text = read_text("markers.json", kMaxMarkersBytes))
@@ -240,6 +244,8 @@ void ContentsReader::read_rig() {
 // Has the cameras behind a port see through it into the water of dive.json.
 void ContentsReader::move_into_water() {
     types::Rig& rig = contents_.rig;
+    for (types::Camera* camera : {&rig.cam0, &rig.cam1})
+        if (!camera->port && port_) camera->port = *port_;
     const auto needs_water = [](const types::Camera& camera) {
         return camera.port && camera.port->water_index == 0.0;
     };

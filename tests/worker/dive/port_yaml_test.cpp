@@ -135,5 +135,29 @@ TEST(PortYamlTest, TheWaterOfTheDiveIsBeforeThePort) {
     EXPECT_NEAR(lake->rig().cam0.port->p_lens_cam.z(), 0.01, 0.005);
 }
 
+TEST(PortYamlTest, ThePortOfTheDiveIsBeforeCamerasThatStateNone) {
+    const TemporaryFolder folder;
+    const TinyDive tiny(folder / "dive");
+    tiny.write("mav0/cam0/sensor.yaml", tiny.read("mav0/cam0/sensor.yaml") + kFlat);
+    const auto with = [&](const std::string& port) {
+        tiny.write("dive.json",
+                   R"({"water": {"temperature_c": 4, "salinity_psu": 0}, "port": )" + port + "}");
+        return Dive::open(tiny.folder(), folder / "scratch");
+    };
+    const auto good = with(
+        R"({"type": "dome", "centre_m": [0, 0, 0], "radius_m": 0.06, "thickness_m": 0.005,
+            "glass_index": 1.52})");
+    const auto no_object = with("7");
+    const auto incomplete = with(R"({"type": "dome"})");
+
+    ASSERT_TRUE(good->rig().cam0.port && good->rig().cam1.port);
+    EXPECT_EQ(good->rig().cam0.port->shape, Port::Shape::Flat);
+    EXPECT_EQ(good->rig().cam1.port->shape, Port::Shape::Dome);
+    EXPECT_EQ(good->rig().cam1.port->radius_m, 0.06);
+    for (const auto* dive : {&no_object, &incomplete})
+        EXPECT_THAT((*dive)->findings(),
+                    HasFinding(Severity::Error, "calibration_port", "dive.json"));
+}
+
 }  // namespace
 }  // namespace divemesh::dive

@@ -172,6 +172,14 @@ TEST_F(PortsTest, TheIndexOfAnotherWaterIsNoticed) {
     EXPECT_GT(largest_median(errors_of(used_rig(rig), true), 0.0, 1.5), 0.003);
 }
 
+// The rays of both cameras start elsewhere then, but they keep their directions.
+TEST_F(PortsTest, ADistanceThatIsFiveMillimetresOffMattersLittle) {
+    types::Rig rig = rendered_rig({.distance_m = 0.025}, 35.0);
+    render(rig);
+    rig.cam0.port->distance_m = rig.cam1.port->distance_m = 0.03;
+    EXPECT_LT(largest_median(errors_of(used_rig(rig), true), 0.0, 9.0), 0.005);
+}
+
 TEST_F(PortsTest, DepthsBehindADomeAreRight) {
     const types::Rig rig = rendered_rig({.shape = Port::Shape::Dome, .offset_m = 0.006}, 35.0);
     render(rig);
