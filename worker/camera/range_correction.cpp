@@ -116,7 +116,7 @@ Eigen::Vector3d at_own_range(const types::RangeTable& table, const Eigen::Vector
 types::KeyframeImages at_own_range(const types::RangeTable& table,
                                    const types::KeyframeImages& images) {
     return resampled_by_depth(
-        images, [&](int, int, float x, float y, float disparity_px) -> Eigen::Vector3f {
+        images, 1, [&](int, int, float x, float y, float disparity_px) -> Eigen::Vector3f {
             const Eigen::Vector3f shift = table.shift_px({x, y, disparity_px}).cast<float>();
             return {-shift.x(), -shift.y(), 0.0F};
         });

@@ -20,13 +20,13 @@ inline float nearest_disparity(const cv::Mat& disparity, float u, float v) {
 
 // Returns the left image and depth resampled by shifts that depend on the depth.
 // `shift_at(u, v, x, y, disparity_px)` returns what is added to (u, v, disparity) of a pixel of the
-// result for the source, which is near (x, y) and has that disparity. A pixel without disparity
-// moves as one with the mean of the others; images without any stay.
+// result for the source, which is near (x, y) and has that disparity. Both are those of the
+// result's pixel in the first of `num_iterations`, which suffices for shifts of less than a pixel.
+// A pixel without disparity moves as one with the mean of the others; images without any stay.
 template <typename ShiftAt>
 types::KeyframeImages resampled_by_depth(const types::KeyframeImages& images,
+                                         int num_iterations,
                                          const ShiftAt& shift_at) {
-    // The disparity of the source pixel is that of the target pixel at first.
-    constexpr int kNumIterations = 2;
     const cv::Mat& disparity = images.depth.disparity_px;
     const float mean_px =
         disparity.empty() ? 0.0F : static_cast<float>(cv::mean(disparity, disparity > 0.0)[0]);
@@ -44,7 +44,7 @@ types::KeyframeImages resampled_by_depth(const types::KeyframeImages& images,
             y = static_cast<float>(v);
             float seen_px = 0.0F;
             float shift_px = 0.0F;  // of the disparity
-            for (int i = 0; i < kNumIterations; ++i) {
+            for (int i = 0; i < num_iterations; ++i) {
                 const float known_px = nearest_disparity(disparity, x, y);
                 const Eigen::Vector3f shift =
                     shift_at(u, v, x, y, known_px > 0.0F ? known_px : mean_px);

@@ -9,6 +9,11 @@
 #include "worker/camera/resampled_by_depth.hpp"
 
 namespace divemesh::camera {
+namespace {
+
+constexpr int kNumIterations = 2;
+
+}  // namespace
 
 ShutterCorrection::ShutterCorrection(const types::RectifiedRig& rig,
                                      const RectifiedLens& left,
@@ -51,7 +56,9 @@ types::KeyframeImages ShutterCorrection::moved(int frame_index,
         return late_s_.at<float>(row, column);
     };
     return resampled_by_depth(
-        images, [&](int u, int v, float x, float y, float disparity_px) -> Eigen::Vector3f {
+        images,
+        kNumIterations,
+        [&](int u, int v, float x, float y, float disparity_px) -> Eigen::Vector3f {
             const Eigen::Vector3d p_cam =
                 rig_.point_cam(u, v, rig_.depth_m(static_cast<double>(disparity_px)));
             return late_s(x, y) * shutter_.flow_px_s(motion->second, p_cam).cast<float>();
