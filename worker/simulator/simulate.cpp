@@ -264,7 +264,8 @@ private:
     }
 
     bool is_misstated() const {
-        return options_.calibration_error > 0.0 || options_.vertical_misalignment_px != 0.0;
+        return options_.calibration_error > 0.0 || options_.vertical_misalignment_px != 0.0 ||
+               (options_.ports && !options_.ports->described);
     }
 
     void write_true_cameras() const {
