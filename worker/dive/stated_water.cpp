@@ -21,7 +21,7 @@ double index_of_water(const DiveInfo& info, FindingLog& findings) {
                      "dive.json",
                      "the cameras see through a port, but dive.json does not state the water's "
                      "temperature (-2 to 40 degrees Celsius) and salinity (0 to 45 psu): sea water "
-                     "of 10 degrees is assumed, and in fresh water lengths would be 0.5 % off",
+                     "of 10 degrees is assumed, and in fresh water depths would be about 0.6 % off",
                      "Add \"water\": {\"temperature_c\": 12, \"salinity_psu\": 0} to dive.json; "
                      "0 psu is a lake, 35 psu an ocean.");
     return camera::water_index(kSea_c, kSea_psu);
