@@ -18,6 +18,9 @@ struct Words {
     std::string camera_model = "radial-tangential";
     std::string pauses;
     std::string blue_water;
+    std::string port;
+    simulator::SimulatedPorts ports;
+    bool undescribed_port = false;
 };
 
 void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& words) {
@@ -57,6 +60,14 @@ void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& 
     command.add_option("--stereo-offset", options.stereo_offset_ms, "delay of the right camera in ms that its timestamps do not show")->capture_default_str();
     command.add_option("--calibration-error", options.calibration_error, "errors of the calibration, drawn by seed, as a multiple of typical ones")->capture_default_str();
     command.add_option("--vertical-misalignment", options.vertical_misalignment_px, "vertical misalignment of the pair in pixels that the calibration does not show")->capture_default_str();
+    command.add_option("--port", words.port, "glass between the lenses and the water: flat or dome; default: none");
+    command.add_option("--port-distance-m", words.ports.distance_m, "flat port: distance of its inner face from the lens's centre of projection")->capture_default_str();
+    command.add_option("--port-tilt-deg", words.ports.tilt_deg, "flat port: tilt to the outside, in degrees")->capture_default_str();
+    command.add_option("--port-radius-m", words.ports.radius_m, "dome: radius of its inner face")->capture_default_str();
+    command.add_option("--port-offset-m", words.ports.offset_m, "dome: distance of the lens before its centre")->capture_default_str();
+    command.add_option("--port-thickness-m", words.ports.thickness_m, "thickness of the glass")->capture_default_str();
+    command.add_flag("--undescribed-port", words.undescribed_port, "do not state the port in sensor.yaml");
+    command.add_option("--salinity-psu", options.salinity_psu, "salinity of the water; 0: a lake")->capture_default_str();
     command.add_option("--threads", options.num_threads, "0: all cores; the result does not depend on it")->capture_default_str();
     // clang-format on
 }
@@ -68,6 +79,11 @@ int run(simulator::SimulateOptions options, const Words& words) {
     options.blue_water = simulator::stretches_from_string(words.blue_water);
     options.lens = simulator::lens_from_string(words.camera_model);
     options.marker_family = dive::marker_family_from_string(words.marker_family);
+    if (!words.port.empty()) {
+        options.ports = words.ports;
+        options.ports->shape = simulator::port_shape_from_string(words.port);
+        options.ports->described = !words.undescribed_port;
+    }
     catch_interrupts();
     ProgressBar bar;
     simulator::simulate(options, [&](const Progress& progress) {

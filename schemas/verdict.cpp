@@ -36,6 +36,7 @@ constexpr Row kRows[] = {
     {"stereo_mismatch",             "scale"},
     {"alignment_not_converged",     "scale"},
     {"calibration_medium",          "scale"},
+    {"water_not_stated",            "scale"},
     {"scale_untested",              "scale"},
     {"scale_uncertain",             "scale"},
     {"stereo_unmatched",            "accuracy"},

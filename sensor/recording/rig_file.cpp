@@ -3,6 +3,7 @@
 #include <fstream>
 #include <string>
 
+#include "worker/camera/virtual_camera.hpp"
 #include "worker/dive/calibration.hpp"
 #include "worker/dive/sensor_yaml.hpp"
 
@@ -30,6 +31,10 @@ std::optional<types::Rig> read_rig(const std::filesystem::path& dive_root) {
     rig.cam1 = cam1->camera;
     rig.T_imu_cam0 = cam0->T_body_cam;
     rig.T_imu_cam1 = cam1->T_body_cam;
+    // What the water is like is not known during the dive.
+    constexpr double kWaterIndex = 1.34;
+    camera::move_into_water(rig.cam0, rig.T_imu_cam0, kWaterIndex);
+    camera::move_into_water(rig.cam1, rig.T_imu_cam1, kWaterIndex);
     if (!(rig.baseline_m() > 1e-3)) return std::nullopt;
     return rig;
 }

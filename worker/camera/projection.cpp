@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "worker/camera/refraction.hpp"
+
 namespace divemesh::camera {
 namespace {
 
@@ -26,8 +28,9 @@ Eigen::Vector2d refract_back(double index, const Eigen::Vector2d& n) {
 bool is_fisheye(const types::Camera& camera) { return lens_model(camera.distortion).is_fisheye; }
 
 std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen::Vector3d& p_cam) {
-    if (p_cam.z() <= 1e-6) return std::nullopt;
-    const auto n = refract(camera.refractive_index, p_cam.head<2>() / p_cam.z());
+    const auto direction = camera.port ? direction_to(*camera.port, p_cam) : std::optional(p_cam);
+    if (!direction || direction->z() <= 1e-6) return std::nullopt;
+    const auto n = refract(camera.refractive_index, direction->head<2>() / direction->z());
     if (!n) return std::nullopt;
     const Eigen::Vector2d d =
         lens_model(camera.distortion).distort(camera.distortion_coefficients, *n);
@@ -35,13 +38,36 @@ std::optional<Eigen::Vector2d> project(const types::Camera& camera, const Eigen:
                            camera.fy_px * d.y() + camera.cy_px);
 }
 
-Eigen::Vector3d unproject(const types::Camera& camera, const Eigen::Vector2d& pixel) {
+base::Ray sight_ray(const types::Camera& camera, const Eigen::Vector2d& pixel) {
     const Eigen::Vector2d d((pixel.x() - camera.cx_px) / camera.fx_px,
                             (pixel.y() - camera.cy_px) / camera.fy_px);
     const Eigen::Vector2d n =
         refract_back(camera.refractive_index,
                      lens_model(camera.distortion).undistort(camera.distortion_coefficients, d));
-    return {n.x(), n.y(), 1.0};
+    base::Ray ray{Eigen::Vector3d::Zero(), {n.x(), n.y(), 1.0}};
+    if (!camera.port) return ray;
+    const auto in_water = ray_in_water(*camera.port, ray.direction);
+    // What does not pass the port goes on as it is: no pixel of a port that was checked does so.
+    return in_water && in_water->direction.z() > 1e-6
+               ? base::Ray{in_water->origin, in_water->direction / in_water->direction.z()}
+               : ray;
+}
+
+Eigen::Vector3d unproject(const types::Camera& camera, const Eigen::Vector2d& pixel) {
+    const base::Ray ray = sight_ray(camera, pixel);
+    if (!camera.port) return ray.direction;
+    const double depth_m = camera.port->reference_depth_m;
+    return (ray.origin + (depth_m - ray.origin.z()) * ray.direction) / depth_m;
+}
+
+double axial_magnification(const types::Camera& camera) {
+    if (!camera.port) return camera.refractive_index;
+    constexpr double kStep_px = 1.0;
+    const Eigen::Vector2d step(kStep_px, 0.0);
+    const Eigen::Vector2d centre(camera.cx_px, camera.cy_px);
+    const Eigen::Vector3d across =
+        unproject(camera, centre + step) - unproject(camera, centre - step);
+    return 2.0 * kStep_px / (camera.fx_px * across.x());
 }
 
 bool contains(const types::Camera& camera, const Eigen::Vector2d& pixel) {

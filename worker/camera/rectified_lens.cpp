@@ -21,8 +21,13 @@ Eigen::Matrix3d rectified_axes(const Eigen::Isometry3d& T_cam0_cam1) {
     return axes;
 }
 
+// Returns the pixel that shows what lies on a ray from the camera's origin; behind a port, what
+// lies there at the reference depth.
 Eigen::Vector2d pixel_of(const types::Camera& camera, const Eigen::Vector3d& ray_cam) {
-    return project(camera, ray_cam).value_or(Eigen::Vector2d(-1.0, -1.0));
+    const Eigen::Vector2d outside(-1.0, -1.0);
+    if (!camera.port) return project(camera, ray_cam).value_or(outside);
+    const double depth_m = camera.port->reference_depth_m;
+    return project(camera, ray_cam * (depth_m / ray_cam.z())).value_or(outside);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/camera/projection.hpp"
+#include "worker/camera/range_correction.hpp"
 #include "worker/camera/rectified_lens.hpp"
 
 namespace divemesh::camera {
@@ -88,7 +89,7 @@ types::RectifiedRig rectified_rig(const types::Rig& rig, const cv::Mat& fixed_pa
     // in the middle, and not enlarged; empty borders belong to the fixed pattern then. A fisheye
     // image is cut to its middle: at half of its focal length, 72 degrees to both sides at an image
     // width of 3.1 focal lengths.
-    const double native = rig.cam0.refractive_index * 0.25 *
+    const double native = axial_magnification(rig.cam0) * 0.25 *
                           (rig.cam0.fx_px + rig.cam0.fy_px + rig.cam1.fx_px + rig.cam1.fy_px);
     const double covering = std::min(covering_px(extent, width, height),
                                      std::max(native, covering_px(whole, width, height)));
@@ -124,7 +125,8 @@ ImageRectifier left_rectifier(const types::Recording& recording, int num_threads
 Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern, int num_threads)
     : rig_(rectified_rig(rig, fixed_pattern)),
       left_(rectified_lenses(rig)[0], rig_, num_threads),
-      right_(rectified_lenses(rig)[1], rig_, num_threads) {
+      right_(rectified_lenses(rig)[1], rig_, num_threads),
+      ranges_(range_table(rig, rig_, num_threads)) {
     if (!fixed_pattern.empty()) fixed_pattern_ = left_.rectify_mask(fixed_pattern);
 }
 
@@ -135,6 +137,7 @@ types::RectifiedFrame Rectifier::rectify(const types::StereoFrame& frame) const 
     result.left = left_.rectify(frame.left);
     result.right = right_.rectify(frame.right);
     result.fixed_pattern = fixed_pattern_;
+    result.ranges = ranges_;
     result.right_delay_s = frame.right_delay_s;
     return result;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <memory>
 #include <opencv2/core/mat.hpp>
 
 #include "worker/camera/image_rectifier.hpp"
@@ -32,6 +33,8 @@ public:
         : Rectifier(recording.rig(), recording.fixed_pattern(), num_threads) {}
 
     const types::RectifiedRig& rig() const { return rig_; }
+    // Returns the correction by range of the rectified pairs; nullptr without a port.
+    const std::shared_ptr<const types::RangeTable>& ranges() const { return ranges_; }
     types::RectifiedFrame rectify(const types::StereoFrame& frame) const;
     // Returns the rectified left image; any number of channels.
     cv::Mat rectify_left(const cv::Mat& image) const { return left_.rectify(image); }
@@ -41,6 +44,7 @@ private:
     ImageRectifier left_;
     ImageRectifier right_;
     cv::Mat fixed_pattern_;
+    std::shared_ptr<const types::RangeTable> ranges_;
 };
 
 }  // namespace divemesh::camera

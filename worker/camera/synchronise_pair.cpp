@@ -58,13 +58,12 @@ types::RectifiedFrame synchronise_pair(const types::RectifiedFrame& frame,
 }
 
 void correct_disparities(const types::RectifiedFrame& frame, types::DepthMap& depth) {
-    if (!frame.between) return;
+    if (frame.is_ideal()) return;
     for (int v = 0; v < depth.disparity_px.rows; ++v) {
         auto* row = depth.disparity_px.ptr<float>(v);
         for (int u = 0; u < depth.disparity_px.cols; ++u)
             if (row[u] > 0.0F)
-                row[u] =
-                    static_cast<float>(frame.between->disparity_px(Eigen::Vector2d(u, v), row[u]));
+                row[u] = static_cast<float>(frame.disparity_px(Eigen::Vector2d(u, v), row[u]));
     }
 }
 

@@ -21,8 +21,8 @@ types::ExposureMotion exposure_motion(const types::RectifiedRig& rig,
 types::RectifiedFrame synchronise_pair(const types::RectifiedFrame& frame,
                                        const std::optional<types::ExposureMotion>& between);
 
-// Turns disparities that were matched in a synchronised frame into those at the time of its left
-// image. Other frames stay.
+// Turns disparities as they were matched into those of an ideal pair at the time of the left image
+// (RectifiedFrame::disparity_px()).
 void correct_disparities(const types::RectifiedFrame& frame, types::DepthMap& depth);
 
 }  // namespace divemesh::camera

@@ -33,7 +33,8 @@ public:
         read_distortion();
         if (!good_) return std::nullopt;
         check_distortion();
-        return camera_;
+        read_port();
+        return good_ ? std::optional(camera_) : std::nullopt;
     }
 
 private:
@@ -187,6 +188,12 @@ private:
                 file_,
                 "the lens distortion cannot be inverted at the border of the image",
                 "Calibrate again with corners of the target near the border of the image.");
+    }
+
+    void read_port() {
+        if (!yaml_.port) return;
+        camera_.port = port_of(*yaml_.port, file_, findings_);
+        good_ = good_ && camera_.port.has_value();
     }
 
     const SensorYaml& yaml_;

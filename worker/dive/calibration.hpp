@@ -9,7 +9,7 @@
 
 namespace divemesh::dive {
 
-// A camera and its pose on the body.
+// A camera and its pose on the body: that of its lens, also behind a port.
 struct CalibratedCamera {
     types::Camera camera;
     Eigen::Isometry3d T_body_cam = Eigen::Isometry3d::Identity();

@@ -4,6 +4,7 @@
 #include <array>
 
 #include "worker/base/text.hpp"
+#include "worker/camera/virtual_camera.hpp"
 #include "worker/dive/calibration.hpp"
 #include "worker/dive/calibration_format.hpp"
 #include "worker/dive/common_clock.hpp"
@@ -13,6 +14,7 @@
 #include "worker/dive/sensor_tables.hpp"
 #include "worker/dive/sensor_yaml.hpp"
 #include "worker/dive/stamp_check.hpp"
+#include "worker/dive/stated_water.hpp"
 
 namespace divemesh::dive {
 namespace {
@@ -53,6 +55,7 @@ private:
     void read_cameras();
     void read_other_sensors();
     void read_rig();
+    void move_into_water();
     void to_imu_frame(const Eigen::Isometry3d& T_body_imu);
 
     std::optional<std::string> read_text(const std::string& file, std::int64_t max_bytes);
@@ -68,7 +71,8 @@ private:
     const DiveLimits& limits_;
     FindingLog& findings_;
     DiveContents contents_;
-    CommonClock clock_{findings_};  // of the tables read so far
+    std::optional<types::Port> port_;  // of dive.json
+    CommonClock clock_{findings_};     // of the tables read so far
 };
 
 std::optional<std::string> ContentsReader::read_text(const std::string& file,
@@ -85,8 +89,11 @@ std::optional<std::string> ContentsReader::read_text(const std::string& file,
 }
 
 void ContentsReader::read_json() {
-    if (const auto text = read_text("dive.json", kMaxJsonBytes))
+    if (const auto text = read_text("dive.json", kMaxJsonBytes)) {
         contents_.info = parse_dive_info(*text, findings_);
+        if (const auto port = parse_port(*text, findings_))
+            port_ = port_of(*port, "dive.json", findings_);
+    }
     if (const auto text = read_text("measurements.json", kMaxJsonBytes))
         contents_.known_distances = parse_known_distances(*text, findings_);
     if (const auto text = read_text("markers.json", kMaxMarkersBytes))
@@ -225,12 +232,28 @@ void ContentsReader::read_rig() {
     rig.cam1 = cam1->camera;
     rig.T_imu_cam0 = T_body_imu.inverse() * cam0->T_body_cam;
     rig.T_imu_cam1 = T_body_imu.inverse() * cam1->T_body_cam;
+    move_into_water();
     contents_.has_rig = true;
     if (rig.cam0.width_px != rig.cam1.width_px || rig.cam0.height_px != rig.cam1.height_px)
         findings_.error("calibration_resolution",
                         "mav0/cam1/sensor.yaml",
                         "cam0 and cam1 have different resolutions",
                         "Record both cameras with the same resolution.");
+}
+
+// Has the cameras behind a port see through it into the water of dive.json.
+void ContentsReader::move_into_water() {
+    types::Rig& rig = contents_.rig;
+    for (types::Camera* camera : {&rig.cam0, &rig.cam1})
+        if (!camera->port && port_) camera->port = *port_;
+    const auto needs_water = [](const types::Camera& camera) {
+        return camera.port && camera.port->water_index == 0.0;
+    };
+    const double index = needs_water(rig.cam0) || needs_water(rig.cam1)
+                             ? index_of_water(contents_.info, findings_)
+                             : 0.0;
+    camera::move_into_water(rig.cam0, rig.T_imu_cam0, index);
+    camera::move_into_water(rig.cam1, rig.T_imu_cam1, index);
 }
 
 // Converts samples from the frames of the sensors to that of the IMU.

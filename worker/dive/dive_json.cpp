@@ -204,6 +204,25 @@ std::vector<KnownDistance> parse_known_distances(std::string_view text, FindingL
     return distances;
 }
 
+std::optional<PortYaml> parse_port(std::string_view text, FindingLog& findings) try {
+    const json object = json::parse(text, nullptr, false);  // parse_dive_info() tells what is wrong
+    if (!object.is_object() || !object.contains("port")) return std::nullopt;
+    PortYaml port;
+    for (const auto& [key, value] : object["port"].get<json::object_t>())
+        if (key == "type")
+            port.type = value.get<std::string>();
+        else
+            port.numbers[key] = value.is_array() ? value.get<std::vector<double>>()
+                                                 : std::vector<double>{value.get<double>()};
+    return port;
+} catch (const json::exception& error) {
+    findings.error("calibration_port",
+                   "dive.json",
+                   "the port of dive.json cannot be read: " + printable(error.what()),
+                   "Write it with the keys of sensor.yaml, as a JSON object.");
+    return std::nullopt;
+}
+
 std::optional<MarkerPlan> parse_markers(std::string_view text, FindingLog& findings) {
     const std::string file = "markers.json";
     const std::string remedy = "Correct it, or remove the file if you do not need the markers.";

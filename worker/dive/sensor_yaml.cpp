@@ -21,6 +21,7 @@ SensorYaml convert(const YAML::Node& root) {
     yaml.intrinsics = numbers_at(root, "intrinsics");
     yaml.distortion_coefficients = numbers_at(root, "distortion_coefficients");
     yaml.resolution = numbers_at(root, "resolution");
+    yaml.port = port_at(root);
     yaml.gyroscope_noise_density = number_at(root, "gyroscope_noise_density");
     yaml.gyroscope_random_walk = number_at(root, "gyroscope_random_walk");
     yaml.accelerometer_noise_density = number_at(root, "accelerometer_noise_density");

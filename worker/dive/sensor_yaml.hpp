@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "worker/dive/finding_log.hpp"
+#include "worker/dive/port_yaml.hpp"
 #include "worker/types/rig.hpp"
 
 namespace divemesh::dive {
@@ -21,6 +22,7 @@ struct SensorYaml {
     std::vector<double> intrinsics;  // as Kalibr orders them, of a pinhole fu fv cu cv
     std::vector<double> distortion_coefficients;
     std::vector<double> resolution;
+    std::optional<PortYaml> port;
     std::optional<double> gyroscope_noise_density;
     std::optional<double> gyroscope_random_walk;
     std::optional<double> accelerometer_noise_density;

@@ -30,6 +30,18 @@ public:
         }
         line("T_BS:\n  cols: 4\n  rows: 4\n  data: [" + rows + ']');
     }
+    void port(const PortYaml& port) {
+        line(
+            "\n# The glass between the air before the lens and the water; intrinsics are those in "
+            "air.");
+        line("port:");
+        text("  type", port.type);
+        for (const auto& [key, values] : port.numbers)
+            if (values.size() == 1)
+                number(("  " + key).c_str(), values.front());
+            else
+                list(("  " + key).c_str(), values);
+    }
     const std::string& all() const { return text_; }
 
 private:
@@ -69,6 +81,7 @@ std::string camera_yaml_text(const SensorYaml& yaml, const SensorYamlNotes& note
         "intrinsics", yaml.intrinsics, model ? " #" + intrinsics_names(*model) : std::string());
     lines.text("distortion_model", yaml.distortion_model);
     lines.list("distortion_coefficients", yaml.distortion_coefficients);
+    if (yaml.port) lines.port(*yaml.port);
     return lines.all();
 }
 

@@ -36,8 +36,9 @@ std::optional<Eigen::Vector2d> project_inside(const types::Camera& camera,
     auto pixel = camera::project(camera, p_cam);
     if (!pixel || !camera::contains(camera, *pixel)) return std::nullopt;
     // Far outside the lens's field of view the distortion polynomial folds back into the image.
-    const Eigen::Vector3d ray = camera::unproject(camera, *pixel);
-    if ((ray.head<2>() - p_cam.head<2>() / p_cam.z()).norm() > 1e-3) return std::nullopt;
+    const base::Ray ray = camera::sight_ray(camera, *pixel);
+    const Eigen::Vector3d there = ray.origin + (p_cam.z() - ray.origin.z()) * ray.direction;
+    if ((there - p_cam).norm() > 1e-3 * p_cam.z()) return std::nullopt;
     return pixel;
 }
 
@@ -76,9 +77,10 @@ std::vector<View> views_of(const std::vector<dive::Mark>& marks,
 std::vector<base::Ray> rays_of(const std::vector<View>& views) {
     std::vector<base::Ray> rays;
     rays.reserve(views.size());
-    for (const View& view : views)
-        rays.push_back({view.T_world_cam.translation(),
-                        view.T_world_cam.linear() * camera::unproject(view.camera, view.pixel)});
+    for (const View& view : views) {
+        const base::Ray ray = camera::sight_ray(view.camera, view.pixel);
+        rays.push_back({view.T_world_cam * ray.origin, view.T_world_cam.linear() * ray.direction});
+    }
     return rays;
 }
 

@@ -8,6 +8,7 @@
 
 #include "schemas/error.hpp"
 #include "worker/camera/lens_model.hpp"
+#include "worker/io/port_json.hpp"
 
 namespace divemesh::io {
 namespace {
@@ -34,6 +35,7 @@ json camera_json(const types::Camera& camera, const Eigen::Isometry3d& T_imu_cam
                    {"distortion_model", to_string(camera.distortion)},
                    {"distortion", std::vector<double>(k.begin(), k.begin() + num_coefficients)},
                    {"T_imu_cam", io::to_json(T_imu_cam)}};
+    if (camera.port) result["port"] = to_json(*camera.port);
     if (camera.refractive_index != 1.0) result["refractive_index"] = camera.refractive_index;
     return result;
 }
@@ -52,6 +54,7 @@ types::Camera camera_from(const json& entry) {
         throw Error(ErrorCode::BadData, "a distortion has more coefficients than any lens model");
     std::copy(coefficients.begin(), coefficients.end(), camera.distortion_coefficients.begin());
     camera.refractive_index = entry.value("refractive_index", 1.0);
+    if (entry.contains("port")) camera.port = port_from_json(entry.at("port"));
     return camera;
 }
 

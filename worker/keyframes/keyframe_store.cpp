@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "schemas/error.hpp"
+#include "worker/camera/range_correction.hpp"
 
 namespace divemesh::keyframes {
 namespace {
@@ -145,6 +146,12 @@ void KeyframeStore::clear() const {
     std::filesystem::create_directories(folder_);
 }
 
+KeyframeStore KeyframeStore::at_own_range(std::shared_ptr<const types::RangeTable> ranges) const {
+    KeyframeStore store = *this;
+    store.ranges_ = std::move(ranges);
+    return store;
+}
+
 KeyframeStore KeyframeStore::rerectified(
     std::shared_ptr<const camera::KeyframeRerectifier> rerectifier) const {
     KeyframeStore store = *this;
@@ -225,6 +232,7 @@ types::KeyframeImages KeyframeStore::read(int frame_index) const {
         restored(file.disparities(), file.header, CV_16U, file.header.disparity_step_px());
     images.depth.sigma_disparity_px = restored(file.sigmas(), file.header, CV_8U, kSigmaStep_px);
     if (left_in_color_) images.left_color = left_in_color_(frame_index);
+    if (ranges_) images = camera::at_own_range(*ranges_, images);
     if (rerectifier_) images = rerectifier_->moved(images);
     return correction_ ? correction_->moved(frame_index, images) : images;
 }
@@ -262,7 +270,7 @@ cv::Mat KeyframeStore::read_disparities(int frame_index, int step_px) const {
 
 cv::Mat KeyframeStore::left_in_color(int frame_index) const {
     if (!left_in_color_) return {};
-    if (correction_) return read(frame_index).left_color;
+    if (correction_ || ranges_) return read(frame_index).left_color;
     const cv::Mat color = left_in_color_(frame_index);
     return rerectifier_ ? rerectifier_->moved(color) : color;
 }

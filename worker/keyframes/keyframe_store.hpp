@@ -24,6 +24,9 @@ public:
 
     // Creates the folder if it is missing. Without `left_in_color` read() returns no image.
     explicit KeyframeStore(std::filesystem::path folder, LeftInColor left_in_color = {});
+    // Returns the same store; its read() first moves images and depth to where an ideal pair shows
+    // them, each pixel by its range. As it needs the depth, left_in_color() throws as read() does.
+    KeyframeStore at_own_range(std::shared_ptr<const types::RangeTable> ranges) const;
     // Returns the same store; its read() maps images and depth as if rectified with other lenses.
     KeyframeStore rerectified(std::shared_ptr<const camera::KeyframeRerectifier> rerectifier) const;
     // Returns the same store; its read() then maps images and depth to a global shutter. As it
@@ -37,7 +40,8 @@ public:
     cv::Mat left_in_color(int frame_index) const;                     // the image of read() alone
     types::DepthMap read_depth(int frame_index) const;                // the depth of read() alone
     // Returns every step_px-th disparity of every step_px-th row (CV_32F, px), as matched: without
-    // the maps of rerectified() and corrected(). Reads these rows alone. Throws Error{NotFound}.
+    // the maps of at_own_range(), rerectified() and corrected(). Reads these rows alone. Throws
+    // Error{NotFound}.
     cv::Mat read_disparities(int frame_index, int step_px) const;
 
     // Write and read the grey left image in a file of its own, as rectified while the dive was
@@ -54,6 +58,7 @@ private:
 
     std::filesystem::path folder_;
     LeftInColor left_in_color_;
+    std::shared_ptr<const types::RangeTable> ranges_;
     std::shared_ptr<const camera::KeyframeRerectifier> rerectifier_;
     std::shared_ptr<const camera::ShutterCorrection> correction_;
 };

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "schemas/error.hpp"
 #include "worker/base/parallel.hpp"
@@ -11,8 +13,10 @@
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/camera/rectifier.hpp"
 #include "worker/camera/synchronise_pair.hpp"
+#include "worker/camera/virtual_camera.hpp"
 #include "worker/features/match_misaligned_stereo.hpp"
 #include "worker/pipeline/range_windows.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -26,6 +30,9 @@ constexpr int kFramesPerWindow = 8;  // of the dive; more windows would read fra
 // that is not significant.
 constexpr double kMaxBiasSigma_px = 0.04;
 constexpr double kMaxUnbiasedSigma_px = 0.12;
+// What tells how far the survey is away: matches, and their disparities.
+constexpr std::size_t kMinSurveyed = 20;
+constexpr double kMinSurveyed_px = 2.0;
 // Refractive index of water: 1.333 in a lake, 1.342 in a cold sea.
 constexpr double kWater = 1.337;
 constexpr std::array<types::MediumChange, 4> kOtherMedia = {
@@ -276,11 +283,42 @@ Aligned in_best_medium(const types::Recording& recording,
     return best;
 }
 
+// Returns the median depth of what pairs spread over the dive show; 0 if they show too little.
+double surveyed_depth_m(const types::Recording& recording,
+                        int num_threads,
+                        const base::ProgressCallback& progress) {
+    const types::Rig& rig = recording.rig();
+    const types::RectifiedRig rectified = camera::rectified_rig(rig, recording.fixed_pattern());
+    const PairMatcher matcher(recording, rig, rig, num_threads);
+    std::vector<double> depths_m;
+    for (const types::StereoMatch& match :
+         spread_matches(matcher, recording.num_frames(), num_threads, progress)) {
+        const double disparity_px = match.left_px.x() - match.right_px.x();
+        if (disparity_px > kMinSurveyed_px) depths_m.push_back(rectified.depth_m(disparity_px));
+    }
+    return depths_m.size() < kMinSurveyed ? 0.0 : stats::median(std::move(depths_m));
+}
+
+// Returns the alignment of cameras behind described ports, rectified for the depth that the survey
+// shows. What they record in is known, so no other medium is tried.
+types::RigAlignment aligned_behind_ports(const types::Recording& recording,
+                                         int num_threads,
+                                         const base::ProgressCallback& progress) {
+    const double depth_m = surveyed_depth_m(recording, num_threads, progress);
+    const types::Rig rig =
+        depth_m > 0.0 ? camera::with_reference_depth(recording.rig(), depth_m) : recording.rig();
+    types::RigAlignment alignment = aligned(recording, rig, num_threads, progress).alignment;
+    alignment.reference_depth_m = depth_m;
+    return alignment;
+}
+
 }  // namespace
 
 types::RigAlignment align_cameras(const types::Recording& recording,
                                   int num_threads,
                                   const base::ProgressCallback& progress) {
+    if (camera::has_port(recording.rig()))
+        return aligned_behind_ports(recording, num_threads, progress);
     const Aligned as_stated = aligned(recording, recording.rig(), num_threads, progress);
     if (!may_be_other_medium(as_stated)) return as_stated.alignment;
     return in_best_medium(recording, as_stated, num_threads, progress).alignment;

@@ -1,4 +1,5 @@
 #include "worker/calibration/stereo_alignment.hpp"
+#include "worker/camera/virtual_camera.hpp"
 #include "worker/pipeline/align_cameras.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
@@ -22,8 +23,12 @@ void save_align(Reconstruction& made, const std::string& key) {
 }
 
 void finish_align(Reconstruction& made) {
-    if (made.alignment.applied)
-        made.set_rig(calibration::changed_rig(made.dive.rig(), made.alignment.change));
+    const types::RigAlignment& alignment = made.alignment;
+    types::Rig rig = made.dive.rig();
+    if (alignment.reference_depth_m > 0.0)
+        rig = camera::with_reference_depth(rig, alignment.reference_depth_m);
+    if (alignment.applied) rig = calibration::changed_rig(rig, alignment.change);
+    if (alignment.applied || alignment.reference_depth_m > 0.0) made.set_rig(rig);
 }
 
 }  // namespace divemesh::pipeline

@@ -66,12 +66,12 @@ Finding medium_finding(const types::MediumChange& medium) {
             "mav0/cam0/sensor.yaml",
             std::string("the cameras were calibrated in ") + (in_air ? "air" : "water") +
                 " and record in " + (in_air ? "water" : "air") + ": images of the scene agree " +
-                (is_port ? "with the refraction of water at a flat port"
+                (is_port ? "with the refraction of water at a flat port, which is not described"
                          : "with focal lengths " + base::fixed(medium.focal_scale, 2) +
                                " times those stated"),
             "The reconstruction takes this into account unless align_cameras is off, but a real "
-            "port is neither thin nor exactly flat. Calibrate the cameras in the medium in which "
-            "they record."};
+            "port is neither thin nor exactly flat. Describe the port of each camera in its "
+            "sensor.yaml, or calibrate the cameras in the medium in which they record."};
 }
 
 Finding inconsistent_finding(const types::RigAlignment& alignment) {

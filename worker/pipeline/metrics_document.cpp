@@ -15,6 +15,7 @@
 #include "worker/base/text.hpp"
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/evaluation/scaled_uncertainty.hpp"
+#include "worker/io/port_json.hpp"
 #include "worker/io/rig_json.hpp"
 #include "worker/io/solver_json.hpp"
 #include "worker/pipeline/color_metrics.hpp"
@@ -48,6 +49,7 @@ void append(std::string& text, const types::Camera& camera, const Eigen::Isometr
         append(text, camera.distortion_coefficients[i]);
     for (int row = 0; row < 3; ++row)
         for (int column = 0; column < 4; ++column) append(text, T_imu_cam(row, column));
+    if (camera.port) text += io::to_json(*camera.port).dump();
 }
 
 // Returns a hash of the calibration's numbers, independent of the file they were read from.

@@ -5,8 +5,10 @@
 #include <utility>
 
 #include "worker/calibration/undo_rolling_shutter.hpp"
+#include "worker/camera/range_correction.hpp"
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/camera/shutter_correction.hpp"
+#include "worker/camera/virtual_camera.hpp"
 #include "worker/io/covariance_file.hpp"
 #include "worker/io/trajectory_file.hpp"
 #include "worker/pipeline/measured_poses.hpp"
@@ -66,6 +68,9 @@ void save_optimise(Reconstruction& made, const std::string& key) {
 
 void finish_optimise(Reconstruction& made) {
     const types::RefinedCalibration& calibration = made.optimised.calibration;
+    if (made.options().surface && camera::has_port(made.recording.rig()))
+        made.keyframe_store = made.keyframe_store.at_own_range(
+            camera::range_table(made.recording.rig(), made.track.rig, made.options().num_threads));
     if (made.options().surface && calibration.lenses_applied)
         made.keyframe_store =
             made.keyframe_store.rerectified(std::make_shared<camera::KeyframeRerectifier>(

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "worker/base/seconds.hpp"
+#include "worker/camera/synchronise_pair.hpp"
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/predict_orientation.hpp"
@@ -92,6 +93,7 @@ std::optional<FrameToMap> PairwiseTracker::to_map(const types::RectifiedFrame& f
         features_, motion_.T_world_cam().translation(), odometry::median_disparity_px(features_)};
     if (!kept && !(vision.found && mapping_rule_.due(view))) return std::nullopt;
     mapping_rule_.taken(view);
+    camera::correct_disparities(frame, depth);
     return FrameToMap{frame,
                       std::move(depth),
                       {{}, dynamic_features_.now(), odometry::static_features(vision), {}}};

@@ -154,7 +154,8 @@ void fields(auto& file, Is<types::RigAlignment> auto& alignment) {
                         &alignment.row_error_px,
                         &alignment.pair_error_px,
                         &alignment.disparity_bias_px,
-                        &alignment.disparity_bias_sigma_px})
+                        &alignment.disparity_bias_sigma_px,
+                        &alignment.reference_depth_m})
         file.plain(*value);
     file.plain(alignment.row_solver);
     file.plain(alignment.range_solver);

@@ -1,6 +1,8 @@
+#include "worker/camera/range_correction.hpp"
 #include "worker/dive/image_survey.hpp"
 #include "worker/io/trajectory_file.hpp"
 #include "worker/pipeline/measured_poses.hpp"
+#include "worker/pipeline/move_to_own_range.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 #include "worker/pipeline/track_reduced.hpp"
@@ -50,6 +52,9 @@ void run_track(Reconstruction& made, const base::ProgressCallback& progress) {
     } else if (by_width > 1) {
         made.track.findings.push_back(large_images_finding(by_width));
     }
+    if (const auto ranges =
+            camera::range_table(made.recording.rig(), made.track.rig, made.options().num_threads))
+        move_to_own_range(*ranges, made.track);
     const std::vector<Finding>& on_dive = made.dive.findings();
     std::vector<Finding>& on_images = made.track.image_findings;
     on_images.assign(on_dive.begin() + num_known, on_dive.end());

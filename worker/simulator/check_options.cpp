@@ -53,6 +53,22 @@ void check_calibration(const SimulateOptions& options) {
     check_range("vertical_misalignment_px", options.vertical_misalignment_px, -100.0, 100.0);
 }
 
+void check_ports(const SimulateOptions& options) {
+    check_range("salinity_psu", options.salinity_psu, 0.0, 45.0);
+    if (!options.ports) return;
+    if (options.water.value_or(WaterKind::Green) == WaterKind::None ||
+        (!options.water && options.scene == SceneKind::Tank))
+        throw Error(ErrorCode::InvalidArgument,
+                    "a port has water before it, and the scene is in air: choose --water clear, "
+                    "green or turbid");
+    const SimulatedPorts& ports = *options.ports;
+    check_range("port_distance_m", ports.distance_m, 0.0, 0.2);
+    check_range("port_tilt_deg", ports.tilt_deg, -10.0, 10.0);
+    check_range("port_radius_m", ports.radius_m, 0.02, 0.5);
+    check_range("port_offset_m", ports.offset_m, -0.5 * ports.radius_m, 0.5 * ports.radius_m);
+    check_range("port_thickness_m", ports.thickness_m, 0.0, 0.05);
+}
+
 void check_folder(const fs::path& out) {
     if (out.empty())
         throw Error(ErrorCode::InvalidArgument, "there is no folder for the dive: give one");
@@ -69,6 +85,7 @@ void check_options(const SimulateOptions& options) {
     check_dive(options);
     check_images(options);
     check_calibration(options);
+    check_ports(options);
     check_range("num_threads", options.num_threads, 0, 1024);
     check_folder(options.out);
 }

@@ -7,6 +7,7 @@
 #include "worker/base/atomic_file.hpp"
 #include "worker/dive/lens_yaml.hpp"
 #include "worker/dive/sensor_yaml_text.hpp"
+#include "worker/simulator/fit_ports.hpp"
 
 namespace divemesh::simulator {
 namespace {
@@ -64,6 +65,7 @@ void write_camera_yaml(const std::filesystem::path& folder,
     yaml.T_body_sensor = T_imu_cam.matrix();
     yaml.resolution = {static_cast<double>(camera.width_px), static_cast<double>(camera.height_px)};
     dive::state_lens(camera, yaml);
+    if (camera.port) yaml.port = dive::state_port(*camera.port);
     write_text(folder / "sensor.yaml",
                dive::camera_yaml_text(yaml, {"rendered, global shutter", rate_hz, kRowDigits}));
 }
@@ -167,7 +169,8 @@ void write_dive_info(const std::filesystem::path& file,
              std::to_string(options.year) +
              (options.survey > 1 ? ", survey " + std::to_string(options.survey) : "")},
         {"tags", {"simulated", scene, std::string(to_string(water))}}};
-    if (water != WaterKind::None) info["water"] = {{"temperature_c", 14.0}, {"salinity_psu", 35.0}};
+    if (water != WaterKind::None)
+        info["water"] = {{"temperature_c", kWater_c}, {"salinity_psu", options.salinity_psu}};
     write_text(file, info.dump(1) + "\n");
 }
 

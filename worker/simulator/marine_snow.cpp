@@ -46,6 +46,7 @@ void MarineSnow::draw(const types::Camera& camera,
                       Rendering& rendering) const {
     cv::Mat& radiance = rendering.radiance;
     const Eigen::Isometry3d T_cam_world = T_world_cam.inverse();
+    const double focal_px = camera::axial_magnification(camera) * camera.fx_px;
     for (const Particle& particle : particles_) {
         const Eigen::Vector3d away =
             particle.start + t_s * particle.drift - T_world_cam.translation();
@@ -55,9 +56,9 @@ void MarineSnow::draw(const types::Camera& camera,
         if (p_cam.z() < kMinDepth_m || range_m > kReach_m) continue;
         const auto pixel = camera::project(camera, p_cam);
         if (!pixel) continue;
-        const double sharp_px = camera.fx_px * particle.radius_m / p_cam.z();
+        const double sharp_px = focal_px * particle.radius_m / p_cam.z();
         const double blur_px =
-            kBlur_px * camera.fx_px / 500.0 * std::abs(1.0 / p_cam.z() - 1.0 / kFocus_m) * kFocus_m;
+            kBlur_px * focal_px / 500.0 * std::abs(1.0 / p_cam.z() - 1.0 / kFocus_m) * kFocus_m;
         const double sigma_px =
             std::sqrt(0.2 + 0.4 * sharp_px * sharp_px + 0.1 * blur_px * blur_px);
         // Blur spreads the light, so it also dims the particle.

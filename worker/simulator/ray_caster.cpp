@@ -63,17 +63,17 @@ RayHit RayCaster::cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& dir
     return {query.ray.tfar, query.hit.u, query.hit.v, query.hit.primID};
 }
 
-std::array<RayHit, 4> RayCaster::cast4(const Eigen::Vector3f& origin,
-                                       const Directions4& directions) const {
+std::array<RayHit, 4> RayCaster::cast4(const Rays4& rays) const {
     alignas(16) static constexpr std::array<int, 4> kAll = {-1, -1, -1, -1};
     RTCRayHit4 query{};
     for (std::size_t i = 0; i < 4; ++i) {
+        const auto& [origin, direction] = rays[i];
         query.ray.org_x[i] = origin.x();
         query.ray.org_y[i] = origin.y();
         query.ray.org_z[i] = origin.z();
-        query.ray.dir_x[i] = directions[i].x();
-        query.ray.dir_y[i] = directions[i].y();
-        query.ray.dir_z[i] = directions[i].z();
+        query.ray.dir_x[i] = direction.x();
+        query.ray.dir_y[i] = direction.y();
+        query.ray.dir_z[i] = direction.z();
         query.ray.tnear[i] = kNear;
         query.ray.tfar[i] = kFar;
         query.ray.mask[i] = 0xffffffffU;

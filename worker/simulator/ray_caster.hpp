@@ -23,14 +23,18 @@ struct RayHit {
 // Intersects rays with triangles, by Embree, which keeps a copy. Thread-safe.
 class RayCaster {
 public:
-    using Directions4 = std::array<Eigen::Vector3f, 4>;
+    struct Ray {
+        Eigen::Vector3f origin;
+        Eigen::Vector3f direction;
+    };
+    using Rays4 = std::array<Ray, 4>;
 
     RayCaster(const std::vector<Eigen::Vector3f>& vertices,
               const std::vector<std::array<std::uint32_t, 3>>& triangles);
 
     RayHit cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction) const;
     // Casts four neighbouring rays at once, which is twice as fast.
-    std::array<RayHit, 4> cast4(const Eigen::Vector3f& origin, const Directions4& directions) const;
+    std::array<RayHit, 4> cast4(const Rays4& rays) const;
     bool is_blocked(const Eigen::Vector3f& origin,
                     const Eigen::Vector3f& direction,
                     float far) const;

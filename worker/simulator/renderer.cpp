@@ -27,6 +27,14 @@ constexpr float kNoPattern_m = 1000.0F;
 
 cv::Vec3f to_vec(const Rgb& color) { return {color[0], color[1], color[2]}; }
 
+// Returns the ray of a pixel in the frame of its camera, from the depth 0 on: behind a port that is
+// a line through the water that is extended to there, so that lengths along it are depths.
+RayCaster::Ray ray_of(const types::Camera& camera, const Eigen::Vector2d& pixel) {
+    const base::Ray ray = camera::sight_ray(camera, pixel);
+    return {(ray.origin - ray.origin.z() * ray.direction).cast<float>(),
+            ray.direction.cast<float>()};
+}
+
 Rendering empty_rendering(const types::Camera& camera) {
     const cv::Size size(camera.width_px, camera.height_px);
     return {cv::Mat::zeros(size, CV_32FC3),
@@ -39,6 +47,10 @@ Rendering empty_rendering(const types::Camera& camera) {
 }  // namespace
 
 struct Renderer::Eye {
+    RayCaster::Ray in_world(const RayCaster::Ray& ray_cam) const {
+        return {center_world + R_world_cam * ray_cam.origin, R_world_cam * ray_cam.direction};
+    }
+
     int camera;
     const Rays* rays;
     Eigen::Matrix3f R_world_cam;
@@ -82,9 +94,8 @@ Renderer::Rays Renderer::rays_of(const types::Camera& camera) {
             const std::size_t pixel = static_cast<std::size_t>(v) * camera.width_px + u;
             for (std::size_t i = 0; i < kSubpixels.size(); ++i)
                 rays.samples[pixel][i] =
-                    camera::unproject(camera, {u + kSubpixels[i][0], v + kSubpixels[i][1]})
-                        .cast<float>();
-            rays.centers[pixel] = camera::unproject(camera, Eigen::Vector2d(u, v)).cast<float>();
+                    ray_of(camera, {u + kSubpixels[i][0], v + kSubpixels[i][1]});
+            rays.centers[pixel] = ray_of(camera, Eigen::Vector2d(u, v));
         }
     });
     return rays;
@@ -94,11 +105,12 @@ Rendering Renderer::render(int camera_index, const Eigen::Isometry3d& T_world_im
     const types::Camera& camera = camera_index == 0 ? rig_.cam0 : rig_.cam1;
     const Eigen::Isometry3d T_world_cam =
         T_world_imu * (camera_index == 0 ? rig_.T_imu_cam0 : rig_.T_imu_cam1);
+    const double focal_px = camera::axial_magnification(camera) * camera.fx_px;
     Eye eye{.camera = camera_index,
             .rays = &rays_[static_cast<std::size_t>(camera_index)],
             .R_world_cam = T_world_cam.linear().cast<float>(),
             .center_world = T_world_cam.translation().cast<float>(),
-            .pixel_size = static_cast<float>(1.0 / camera.fx_px),
+            .pixel_size = static_cast<float>(1.0 / focal_px),
             .t_s = static_cast<float>(t_s)};
     for (std::size_t i = 0; i < kLamps_cam0.size(); ++i)
         eye.lamps_world[i] = (T_world_imu * rig_.T_imu_cam0 * kLamps_cam0[i]).cast<float>();
@@ -107,8 +119,8 @@ Rendering Renderer::render(int camera_index, const Eigen::Isometry3d& T_world_im
         const Eigen::Vector3d p_cam = T_world_cam.inverse() * shape.center_world.cast<double>();
         const auto pixel = camera::project(camera, p_cam);
         if (!pixel || p_cam.z() < 2.0 * shape.radius_m || p_cam.z() > 6.0) continue;
-        const int reach = 2 + static_cast<int>(1.5 * camera.fx_px * shape.radius_m /
-                                               (p_cam.z() - shape.radius_m));
+        const int reach =
+            2 + static_cast<int>(1.5 * focal_px * shape.radius_m / (p_cam.z() - shape.radius_m));
         const cv::Rect box(static_cast<int>(pixel->x()) - reach,
                            static_cast<int>(pixel->y()) - reach,
                            2 * reach + 1,
@@ -147,14 +159,14 @@ void Renderer::render_row(const Eye& eye, int row, Rendering& rendering) {
     const int width = rendering.radiance.cols;
     for (int u = 0; u < width; ++u) {
         const std::size_t pixel = static_cast<std::size_t>(row) * width + u;
-        RayCaster::Directions4 directions = eye.rays->samples[pixel];
-        for (Eigen::Vector3f& direction : directions) direction = eye.R_world_cam * direction;
-        const auto hits = caster_.cast4(eye.center_world, directions);
-        mark_seen(eye, hits, directions);
+        RayCaster::Rays4 rays = eye.rays->samples[pixel];
+        for (RayCaster::Ray& ray : rays) ray = eye.in_world(ray);
+        const auto hits = caster_.cast4(rays);
+        mark_seen(eye, hits, rays);
         const bool fish_near = std::any_of(eye.fish.begin(), eye.fish.end(), [&](const auto& fish) {
             return fish.box.contains({u, row});
         });
-        const auto point = fish_near ? std::nullopt : one_point(eye, hits, directions);
+        const auto point = fish_near ? std::nullopt : one_point(eye, hits, rays);
         Rgb albedo = Rgb::Zero();
         Rgb radiance = Rgb::Zero();
         if (point)
@@ -162,26 +174,25 @@ void Renderer::render_row(const Eye& eye, int row, Rendering& rendering) {
         else
             for (std::size_t i = 0; i < hits.size(); ++i) {
                 const auto fish =
-                    fish_near ? nearest_fish(eye, {u, row}, hits[i], directions[i]) : std::nullopt;
+                    fish_near ? nearest_fish(eye, {u, row}, hits[i], rays[i]) : std::nullopt;
                 if (fish) rendering.fish.at<std::uint8_t>(row, u) = 255;
                 Rgb albedo_there = Rgb::Zero();
                 radiance +=
-                    0.25F *
-                    sample(eye, hits[i], directions[i], fish ? &*fish : nullptr, albedo_there);
+                    0.25F * sample(eye, hits[i], rays[i], fish ? &*fish : nullptr, albedo_there);
                 albedo += 0.25F * albedo_there;
             }
         rendering.radiance.at<cv::Vec3f>(row, u) = to_vec(radiance);
         rendering.albedo.at<cv::Vec3f>(row, u) = to_vec(albedo);
-        rendering.depth.at<float>(row, u) =
-            options_.exact_depth
-                ? caster_.cast(eye.center_world, eye.R_world_cam * eye.rays->centers[pixel]).t
-                : hits[0].t;
+        if (!options_.exact_depth) {
+            rendering.depth.at<float>(row, u) = hits[0].t;
+            continue;
+        }
+        const auto [origin, direction] = eye.in_world(eye.rays->centers[pixel]);
+        rendering.depth.at<float>(row, u) = caster_.cast(origin, direction).t;
     }
 }
 
-void Renderer::mark_seen(const Eye& eye,
-                         const RayHits4& hits,
-                         const RayCaster::Directions4& directions) {
+void Renderer::mark_seen(const Eye& eye, const RayHits4& hits, const RayCaster::Rays4& rays) {
     // Written only once, so that the cache line stays shared by all threads afterwards.
     const auto mark = [](std::atomic<bool>& flag) {
         if (!flag.load(std::memory_order_relaxed)) flag.store(true, std::memory_order_relaxed);
@@ -189,7 +200,7 @@ void Renderer::mark_seen(const Eye& eye,
     for (std::size_t i = 0; i < hits.size(); ++i) {
         if (!hits[i].valid()) continue;
         mark(seen_[hits[i].triangle]);
-        if (eye.camera == 0 && hits[i].t * directions[i].norm() < kReferenceRange_m)
+        if (eye.camera == 0 && hits[i].t * rays[i].direction.norm() < kReferenceRange_m)
             mark(in_reference_[hits[i].triangle]);
     }
 }
@@ -197,11 +208,11 @@ void Renderer::mark_seen(const Eye& eye,
 std::optional<Fish::Hit> Renderer::nearest_fish(const Eye& eye,
                                                 const cv::Point& pixel,
                                                 const RayHit& hit,
-                                                const Eigen::Vector3f& direction) const {
+                                                const RayCaster::Ray& ray) const {
     std::optional<Fish::Hit> nearest;
     for (const Eye::VisibleFish& candidate : eye.fish) {
         if (!candidate.box.contains(pixel)) continue;
-        const auto fish = Fish::intersect(candidate.shape, eye.center_world, direction);
+        const auto fish = Fish::intersect(candidate.shape, ray.origin, ray.direction);
         if (fish && (!hit.valid() || fish->t < hit.t) && (!nearest || fish->t < nearest->t))
             nearest = fish;
     }
@@ -210,16 +221,16 @@ std::optional<Fish::Hit> Renderer::nearest_fish(const Eye& eye,
 
 std::optional<Renderer::Point> Renderer::one_point(const Eye& eye,
                                                    const RayHits4& hits,
-                                                   const RayCaster::Directions4& directions) const {
+                                                   const RayCaster::Rays4& rays) const {
     const auto object = [&](const RayHit& hit) { return scene_.triangle_object[hit.triangle]; };
     for (const RayHit& hit : hits)
         if (!hit.valid() || object(hit) != object(hits[0])) return std::nullopt;
-    Point sum = point_at(hits[0], eye.center_world, directions[0]);
+    Point sum = point_at(hits[0], rays[0]);
     const Eigen::Vector3f normal = sum.normal_world;
     float nearest = sum.t;
     float farthest = sum.t;
     for (std::size_t i = 1; i < hits.size(); ++i) {
-        const Point point = point_at(hits[i], eye.center_world, directions[i]);
+        const Point point = point_at(hits[i], rays[i]);
         if (point.normal_world.dot(normal) < kSmoothCosine) return std::nullopt;
         nearest = std::min(nearest, point.t);
         farthest = std::max(farthest, point.t);
@@ -240,17 +251,17 @@ std::optional<Renderer::Point> Renderer::one_point(const Eye& eye,
 
 Rgb Renderer::sample(const Eye& eye,
                      const RayHit& hit,
-                     const Eigen::Vector3f& direction,
+                     const RayCaster::Ray& ray,
                      const Fish::Hit* fish,
                      Rgb& albedo) const {
     const Water& water = options_.water;
     Rgb radiance = water.is_water ? water.veil : Rgb(0.5F, 0.5F, 0.5F);
-    if (hit.valid()) radiance = look_at(eye, point_at(hit, eye.center_world, direction), albedo);
+    if (hit.valid()) radiance = look_at(eye, point_at(hit, ray), albedo);
     if (!fish) return radiance;
     const Point point{
-        eye.center_world + fish->t * direction, fish->normal_world, nullptr, fish->t, 1.0F, 1.0F};
+        ray.origin + fish->t * ray.direction, fish->normal_world, nullptr, fish->t, 1.0F, 1.0F};
     return water.look_through(shade(eye, point, fish->color, eye.pixel_size * fish->t),
-                              fish->t * direction.norm());
+                              fish->t * ray.direction.norm());
 }
 
 Rgb Renderer::look_at(const Eye& eye, const Point& point, Rgb& albedo) const {
@@ -272,9 +283,7 @@ Rgb Renderer::albedo_of(const Point& point, float footprint_m) const {
     return flat + contrast * (color(footprint_m) - flat);
 }
 
-Renderer::Point Renderer::point_at(const RayHit& hit,
-                                   const Eigen::Vector3f& origin,
-                                   const Eigen::Vector3f& direction) const {
+Renderer::Point Renderer::point_at(const RayHit& hit, const RayCaster::Ray& ray) const {
     const auto& corners = scene_.triangles[hit.triangle];
     const float w = 1.0F - hit.u - hit.v;
     const auto blend = [&](const auto& value) {
@@ -283,7 +292,7 @@ Renderer::Point Renderer::point_at(const RayHit& hit,
     const Eigen::Vector3f normal = w * scene_.normals[corners[0]] +
                                    hit.u * scene_.normals[corners[1]] +
                                    hit.v * scene_.normals[corners[2]];
-    return {origin + hit.t * direction,
+    return {ray.origin + hit.t * ray.direction,
             normal.normalized(),
             &scene_.objects[scene_.triangle_object[hit.triangle]],
             hit.t,

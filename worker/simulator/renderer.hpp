@@ -31,7 +31,8 @@ struct RenderOptions {
     std::uint64_t seed = 0;                  // of the textures
 };
 
-// Renders a scene through the cameras of a rig, four rays per pixel. Patterns and light are faded
+// Renders a scene through the cameras of a rig, four rays per pixel, refracted where a camera is
+// behind a port. Patterns and light are faded
 // to what a pixel resolves, so a pixel that shows one smooth patch of surface is shaded once. Uses
 // the threads of the calling arena; the result does not depend on their number.
 class Renderer {
@@ -58,8 +59,9 @@ public:
 private:
     struct Eye;  // one image being rendered
     struct Rays {
-        std::vector<RayCaster::Directions4> samples;  // camera frame, z = 1, four per pixel
-        std::vector<Eigen::Vector3f> centers;
+        std::vector<RayCaster::Rays4>
+            samples;  // camera frame, direction with z = 1, four per pixel
+        std::vector<RayCaster::Ray> centers;
     };
     struct Point {
         Eigen::Vector3f p_world;
@@ -78,27 +80,25 @@ private:
     using RayHits4 = std::array<RayHit, 4>;
 
     void render_row(const Eye& eye, int row, Rendering& rendering);
-    void mark_seen(const Eye& eye, const RayHits4& hits, const RayCaster::Directions4& directions);
+    void mark_seen(const Eye& eye, const RayHits4& hits, const RayCaster::Rays4& rays);
     std::optional<Fish::Hit> nearest_fish(const Eye& eye,
                                           const cv::Point& pixel,
                                           const RayHit& hit,
-                                          const Eigen::Vector3f& direction) const;
+                                          const RayCaster::Ray& ray) const;
     // Returns the mean of what the four rays hit, if that is one smooth patch of one object; else
     // nullopt.
     std::optional<Point> one_point(const Eye& eye,
                                    const RayHits4& hits,
-                                   const RayCaster::Directions4& directions) const;
+                                   const RayCaster::Rays4& rays) const;
     Rgb sample(const Eye& eye,
                const RayHit& hit,
-               const Eigen::Vector3f& direction,
+               const RayCaster::Ray& ray,
                const Fish::Hit* fish,
                Rgb& albedo) const;
     // Returns the light from a point of the scene as seen, and its own colour in `albedo`.
     Rgb look_at(const Eye& eye, const Point& point, Rgb& albedo) const;
     Rgb albedo_of(const Point& point, float footprint_m) const;
-    Point point_at(const RayHit& hit,
-                   const Eigen::Vector3f& origin,
-                   const Eigen::Vector3f& direction) const;
+    Point point_at(const RayHit& hit, const RayCaster::Ray& ray) const;
     Rgb shade(const Eye& eye, const Point& point, const Rgb& color, float footprint_m) const;
 
     const Scene& scene_;

@@ -15,6 +15,7 @@
 #include "worker/simulator/check_options.hpp"
 #include "worker/simulator/dive_files.hpp"
 #include "worker/simulator/draw_rig.hpp"
+#include "worker/simulator/fit_ports.hpp"
 #include "worker/simulator/inertial_sensors.hpp"
 #include "worker/simulator/lay_markers.hpp"
 #include "worker/simulator/reference_mesh.hpp"
@@ -72,6 +73,11 @@ StatedRig state_rig(const SimulateOptions& options, const types::Rig& rig) {
     StatedRig stated = draw_calibration_error(rig, options.calibration_error, options.seed);
     if (options.vertical_misalignment_px != 0.0)
         stated.rig = pitch_right_camera(stated.rig, options.vertical_misalignment_px);
+    for (types::Camera* camera : {&stated.rig.cam0, &stated.rig.cam1}) {
+        if (!camera->port) continue;
+        camera->port->water_index = 0.0;  // dive.json states the water
+        if (!options.ports->described) camera->port.reset();
+    }
     return stated;
 }
 
@@ -84,7 +90,8 @@ public:
           water_(options.water.value_or(options.scene == SceneKind::Tank ? WaterKind::None
                                                                          : WaterKind::Green)),
           scene_(make_scene(options.scene, options.seed, options.year, options.length_m)),
-          rig_(draw_rig(options.width_px, options.height_px, options.seed, options.lens)),
+          rig_(fit_ports(draw_rig(options.width_px, options.height_px, options.seed, options.lens),
+                         options)),
           stated_(state_rig(options, rig_)),
           survey_(plan_survey(options, scene_.path, water_)),
           motion_(motion_of(options, survey_)),
@@ -257,7 +264,8 @@ private:
     }
 
     bool is_misstated() const {
-        return options_.calibration_error > 0.0 || options_.vertical_misalignment_px != 0.0;
+        return options_.calibration_error > 0.0 || options_.vertical_misalignment_px != 0.0 ||
+               (options_.ports && !options_.ports->described);
     }
 
     void write_true_cameras() const {

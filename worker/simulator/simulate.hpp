@@ -26,6 +26,19 @@ WaterKind water_kind_from_string(std::string_view text);  // throws Error{Invali
 // Returns the lens model of a name (LensModel::name). Throws Error{InvalidArgument}.
 types::Distortion lens_from_string(std::string_view text);
 
+types::Port::Shape port_shape_from_string(std::string_view text);  // throws Error{InvalidArgument}
+
+// The ports of a simulated rig, one before each camera.
+struct SimulatedPorts {
+    types::Port::Shape shape = types::Port::Shape::Flat;
+    double distance_m = 0.025;  // flat: from the lens to the inner face
+    double tilt_deg = 0.5;      // flat: of both, to the outside
+    double radius_m = 0.05;     // dome: of the inner face
+    double offset_m = 0.003;    // dome: of the lens, before its centre
+    double thickness_m = 0.006;
+    bool described = true;  // sensor.yaml states them
+};
+
 // Options of a simulated dive.
 struct SimulateOptions {
     SceneKind scene = SceneKind::Barge;
@@ -67,6 +80,8 @@ struct SimulateOptions {
     double vertical_misalignment_px = 0.0;  // of rectified images; not in the calibration
 
     types::Distortion lens = types::Distortion::RadialTangential;  // of both cameras
+    std::optional<SimulatedPorts> ports;                           // unset: none
+    double salinity_psu = 35.0;                                    // of the water, of 14 degrees
 };
 
 // Renders a dive with exact ground truth into `options.out`: images, IMU, AHRS, trajectory,

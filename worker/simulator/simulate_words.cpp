@@ -2,6 +2,7 @@
 
 #include "schemas/enum_text.hpp"
 #include "worker/camera/lens_model.hpp"
+#include "worker/camera/port_names.hpp"
 #include "worker/simulator/simulate.hpp"
 
 namespace divemesh::simulator {
@@ -16,7 +17,6 @@ constexpr EnumText<WaterKind> kWaterTexts[] = {{WaterKind::None, "none"},
                                                {WaterKind::Clear, "clear"},
                                                {WaterKind::Green, "green"},
                                                {WaterKind::Turbid, "turbid"}};
-
 }  // namespace
 
 std::string_view to_string(SceneKind kind) { return enum_to_text(kSceneTexts, kind); }
@@ -28,6 +28,13 @@ SceneKind scene_kind_from_string(std::string_view text) {
 
 WaterKind water_kind_from_string(std::string_view text) {
     return enum_from_text<WaterKind>(kWaterTexts, text, "water");
+}
+
+types::Port::Shape port_shape_from_string(std::string_view text) {
+    std::vector<EnumText<types::Port::Shape>> names;
+    for (const std::string_view name : camera::kPortNames)
+        names.push_back({*camera::port_shape(name), name});
+    return enum_from_text<types::Port::Shape>(names, text, "port");
 }
 
 types::Distortion lens_from_string(std::string_view text) {

@@ -1,6 +1,9 @@
 #pragma once
 
 #include <array>
+#include <optional>
+
+#include "worker/types/port.hpp"
 
 namespace divemesh::types {
 
@@ -26,7 +29,8 @@ enum class Distortion {
 using LensCoefficients = std::array<double, 8>;  // those that a model has not are 0
 
 // The calibration of one camera, pixel centres at integers (OpenCV). fx_px and fy_px are pixels per
-// radian on the axis, whatever the model: a reader converts them.
+// radian on the axis, whatever the model: a reader converts them. Behind a port they are those in
+// air, and the camera's origin is where its rays in the water nearly meet.
 struct Camera {
     int width_px = 0;
     int height_px = 0;
@@ -39,6 +43,7 @@ struct Camera {
     // Refractive index of the medium in which the camera records over that in which it was
     // calibrated. Not 1: rays are refracted at a flat port before they reach the lens.
     double refractive_index = 1.0;
+    std::optional<Port> port = std::nullopt;  // nullopt: none is described
 };
 
 }  // namespace divemesh::types

@@ -3,11 +3,13 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <cstdint>
+#include <memory>
 #include <opencv2/core/mat.hpp>
 #include <optional>
 #include <vector>
 
 #include "worker/types/exposure_motion.hpp"
+#include "worker/types/range_table.hpp"
 #include "worker/types/search_outcome.hpp"
 
 namespace divemesh::types {
@@ -30,6 +32,8 @@ struct RectifiedFrame {
     cv::Mat fixed_pattern = {};
     // Set if `right` was exposed at another time and is warped to the time of `left`.
     std::optional<ExposureMotion> between = std::nullopt;
+    // Set if a camera is behind a port: the images are those of an ideal pair at one depth alone.
+    std::shared_ptr<const RangeTable> ranges = nullptr;
     // How much later the right image was exposed than the left one; negative: before it.
     double right_delay_s = 0.0;
 
@@ -40,12 +44,27 @@ struct RectifiedFrame {
         return !cv::Rect({}, fixed_pattern.size()).contains(nearest) ||
                fixed_pattern.at<std::uint8_t>(nearest) == 0;
     }
-    // Returns the disparity at the time of `left` of what is matched in `right`, and the inverse.
+    // Returns true if disparities are used as they are matched.
+    bool is_ideal() const { return !between && !ranges; }
+    // Returns the disparity that an ideal pair shows at the time of `left` of what is matched in
+    // `right`, and the inverse.
     double disparity_px(const Eigen::Vector2d& pixel, double matched_px) const {
-        return between ? between->disparity_px(pixel, matched_px) : matched_px;
+        const double seen_px = between ? between->disparity_px(pixel, matched_px) : matched_px;
+        return ranges ? seen_px + range_shift_px(pixel, seen_px) : seen_px;
     }
     double matched_px(const Eigen::Vector2d& pixel, double disparity_px) const {
-        return between ? between->matched_px(pixel, disparity_px) : disparity_px;
+        double seen_px = disparity_px;
+        if (ranges)
+            for (int i = 0; i < kIterations; ++i)
+                seen_px = disparity_px - range_shift_px(pixel, seen_px);
+        return between ? between->matched_px(pixel, seen_px) : seen_px;
+    }
+
+private:
+    static constexpr int kIterations = 3;
+
+    double range_shift_px(const Eigen::Vector2d& pixel, double seen_px) const {
+        return ranges->shift_px({pixel.x(), pixel.y(), seen_px}).z();
     }
 };
 

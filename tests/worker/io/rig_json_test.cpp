@@ -48,6 +48,39 @@ TEST(RigJsonTest, GivesBackEveryLensModel) {
     }
 }
 
+TEST(RigJsonTest, GivesBackThePortsOfACamera) {
+    types::Rig rig;
+    rig.cam0.port = types::Port{.normal = {0.1, -0.2, 0.97},
+                                .distance_m = 0.025,
+                                .thickness_m = 0.006,
+                                .glass_index = 1.5,
+                                .water_index = 1.34,
+                                .p_lens_cam = {0.001, 0.002, -0.009},
+                                .reference_depth_m = 1.2};
+    rig.cam1.port = types::Port{.shape = types::Port::Shape::Dome,
+                                .centre_m = {0.001, 0.0, -0.003},
+                                .radius_m = 0.05,
+                                .water_index = 1.33};
+
+    const types::Rig read = rig_from_json(nlohmann::json::parse(to_json(rig).dump()));
+
+    ASSERT_TRUE(read.cam0.port && read.cam1.port);
+    EXPECT_EQ(read.cam0.port->shape, types::Port::Shape::Flat);
+    EXPECT_EQ(read.cam0.port->normal, rig.cam0.port->normal);
+    EXPECT_EQ(read.cam0.port->distance_m, 0.025);
+    EXPECT_EQ(read.cam0.port->thickness_m, 0.006);
+    EXPECT_EQ(read.cam0.port->glass_index, 1.5);
+    EXPECT_EQ(read.cam0.port->water_index, 1.34);
+    EXPECT_EQ(read.cam0.port->p_lens_cam, rig.cam0.port->p_lens_cam);
+    EXPECT_EQ(read.cam0.port->reference_depth_m, 1.2);
+    EXPECT_EQ(read.cam1.port->shape, types::Port::Shape::Dome);
+    EXPECT_EQ(read.cam1.port->centre_m, rig.cam1.port->centre_m);
+    EXPECT_EQ(read.cam1.port->radius_m, 0.05);
+    nlohmann::json unknown = to_json(rig);
+    unknown["cam0"]["port"]["type"] = "bottle";
+    EXPECT_THROW(rig_from_json(unknown), Error);
+}
+
 TEST(RigJsonTest, RefusesMoreCoefficientsThanAnyLensHas) {
     nlohmann::json entry = to_json(types::Rig());
     EXPECT_EQ(entry["cam1"]["distortion"].size(), 4U);

@@ -85,6 +85,27 @@ TEST(KeyframeStore, CorrectedItReadsWhatAGlobalShutterSees) {
     EXPECT_THROW(corrected.left_in_color(9), Error);
 }
 
+TEST(KeyframeStore, AtItsOwnRangeEveryPixelMovesByTheTable) {
+    const TemporaryFolder folder;
+    const KeyframeStore store(folder.path(), image_of);
+    store.write(7, slope());
+    const auto two_to_the_right = std::make_shared<types::RangeTable>(
+        types::RangeTable{2, 2, 2, 63.0, 47.0, 20.0, {8, Eigen::Vector3f(2.0F, 0.0F, 5.0F)}});
+    const types::KeyframeImages before = store.read(7);
+
+    const types::KeyframeImages moved = store.at_own_range(two_to_the_right).read(7);
+
+    const cv::Rect from(20, 5, 30, 30);
+    const cv::Rect to = from + cv::Point(2, 0);
+    EXPECT_LT(cv::norm(moved.depth.disparity_px(to), before.depth.disparity_px(from), cv::NORM_INF),
+              1e-4);
+    EXPECT_LE(cv::norm(moved.left_color(to), before.left_color(from), cv::NORM_INF), 1.0);
+    EXPECT_EQ(
+        cv::norm(
+            store.at_own_range(two_to_the_right).left_in_color(7), moved.left_color, cv::NORM_INF),
+        0.0);
+}
+
 TEST(KeyframeStore, TheDepthAloneIsReadWithoutTheImage) {
     const TemporaryFolder folder;
     const types::RectifiedRig rig = synthetic::ideal_rig(64, 48, 50.0);

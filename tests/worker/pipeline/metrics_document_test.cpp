@@ -144,6 +144,20 @@ TEST(MetricsDocument, FitsItsSchemaWithACalibrationInAnotherMedium) {
     EXPECT_EQ(document["calibration"]["alignment"]["medium"]["refractive_index"], 1.337);
 }
 
+TEST(MetricsDocument, FitsItsSchemaWithCamerasBehindPorts) {
+    MetricsInput input = plain_dive();
+    input.used_rig.cam0.port = types::Port{.distance_m = 0.025, .water_index = 1.34};
+    input.used_rig.cam1.port =
+        types::Port{.shape = types::Port::Shape::Dome, .radius_m = 0.05, .water_index = 1.34};
+
+    const json document = metrics_document(input);
+
+    EXPECT_TRUE(is_valid(document));
+    const json& rig = document["calibration"]["rig"];
+    EXPECT_EQ(rig["cam0"]["port"]["distance_m"], 0.025);
+    EXPECT_EQ(rig["cam1"]["port"]["type"], "dome");
+}
+
 TEST(MetricsDocument, FitsItsSchemaWithEveryLightAndWithWaterThatIsNotKnown) {
     MetricsInput input = plain_dive();
     EXPECT_FALSE(metrics_document(input).contains("color"));
@@ -270,6 +284,9 @@ TEST(MetricsDocument, TheCalibrationHashChangesWithTheCalibrationAlone) {
     EXPECT_EQ(hash(other), hash(plain_dive()));
     other.stated_rig.cam1.distortion_coefficients[2] = 1e-5;
     EXPECT_NE(hash(other), hash(plain_dive()));
+    MetricsInput behind_glass = plain_dive();
+    behind_glass.stated_rig.cam0.port = types::Port{.distance_m = 0.025};
+    EXPECT_NE(hash(behind_glass), hash(plain_dive()));
 }
 
 TEST(MetricsDocument, CoverageIsTheShareOfFramesConstrainedByVision) {

@@ -118,6 +118,7 @@ TEST(StageFiles, AnAlignmentSurvivesTheDisk) {
     written.change.medium = {1.25, 1.337};
     written.sigmas[types::RigChange::kYaw] = 0.002;
     written.disparity_bias_px = -1.5;
+    written.reference_depth_m = 1.3;
     written.row_solver.num_converged = 1;
     written.range_solver.final_cost = 2.5;
     save_rig_alignment(folder / "align.stage", "key", written);
@@ -132,6 +133,7 @@ TEST(StageFiles, AnAlignmentSurvivesTheDisk) {
     EXPECT_EQ(read->change.medium.refractive_index, 1.337);
     EXPECT_EQ(read->sigmas, written.sigmas);
     EXPECT_EQ(read->disparity_bias_px, -1.5);
+    EXPECT_EQ(read->reference_depth_m, 1.3);
     EXPECT_EQ(read->row_solver.num_converged, 1);
     EXPECT_EQ(read->range_solver.final_cost, 2.5);
 }

@@ -245,5 +245,37 @@ TEST_F(AlteredDivesTest, PausesOnALapAndARateBelowTheSlowestAreRefused) {
     EXPECT_THROW(simulate(calm_), Error);
 }
 
+TEST_F(AlteredDivesTest, APortIsDescribedUnlessItShouldNotBeAndBendsTheSameImages) {
+    const fs::path without = rendered("without", calm_);
+    calm_.ports = SimulatedPorts{.distance_m = 0.02};
+    calm_.salinity_psu = 0.0;
+    const fs::path described = rendered("described", calm_);
+    calm_.ports->described = false;
+    const fs::path undescribed = rendered("undescribed", calm_);
+
+    const auto dive = opened(described);
+    ASSERT_TRUE(dive->rig().cam0.port && dive->rig().cam1.port);
+    EXPECT_EQ(dive->rig().cam0.port->distance_m, 0.02);
+    EXPECT_NEAR(dive->rig().cam0.port->water_index, 1.3355, 5e-4);  // fresh, of 14 degrees
+    EXPECT_LT(dive->rig().cam0.port->normal.x(), 0.0);
+    EXPECT_GT(dive->rig().cam1.port->normal.x(), 0.0);
+    EXPECT_FALSE(opened(undescribed)->rig().cam0.port);
+    EXPECT_NE(content(undescribed / "truth/cam0/sensor.yaml").find("port:"), std::string::npos);
+    for (const fs::path& image : left_images(described)) {
+        EXPECT_EQ(content(image), content(undescribed / "mav0/cam0/data" / image.filename()));
+        EXPECT_NE(content(image), content(without / "mav0/cam0/data" / image.filename()));
+    }
+}
+
+TEST_F(AlteredDivesTest, APortInAirAndALensOutsideOfItsDomeAreRefused) {
+    calm_.out = folder_ / "dive";
+    calm_.ports = SimulatedPorts{.shape = types::Port::Shape::Dome, .offset_m = 0.04};
+    EXPECT_THROW(simulate(calm_), Error);
+    calm_.ports = SimulatedPorts{};
+    calm_.water = WaterKind::None;
+    EXPECT_THROW(simulate(calm_), Error);
+    EXPECT_FALSE(fs::exists(calm_.out));
+}
+
 }  // namespace
 }  // namespace divemesh::simulator

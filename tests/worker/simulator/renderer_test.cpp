@@ -7,6 +7,7 @@
 
 #include "worker/camera/projection.hpp"
 #include "worker/simulator/draw_rig.hpp"
+#include "worker/simulator/fit_ports.hpp"
 
 namespace divemesh::simulator {
 namespace {
@@ -77,6 +78,30 @@ void expect_analytic_depth(double box_height_m) {
 TEST(RendererTest, DepthOfAPlaneIsTheAnalyticIntersection) { expect_analytic_depth(0.0); }
 
 TEST(RendererTest, DepthOfABoxIsTheAnalyticIntersection) { expect_analytic_depth(0.3); }
+
+// Behind a port the depth of a pixel leads along its refracted ray to the plane, and the point
+// there is seen at that pixel.
+TEST(RendererTest, DepthThroughAPortLeadsToThePointThatThePixelShows) {
+    const Scene scene = make_floor_with_box(0.0F);
+    for (const auto shape : {types::Port::Shape::Flat, types::Port::Shape::Dome}) {
+        const types::Rig rig = fit_ports(draw_rig(kWidth_px, kHeight_px, 3),
+                                         {.ports = SimulatedPorts{.shape = shape}});
+        Renderer renderer(scene, rig, {.water = make_water(WaterKind::Green), .exact_depth = true});
+        const Rendering rendering = renderer.render(0, look_down(), 0.0);
+        const Eigen::Isometry3d T_world_cam = look_down() * rig.T_imu_cam0;
+        for (int v = 0; v < kHeight_px; v += 7)
+            for (int u = 0; u < kWidth_px; u += 7) {
+                const base::Ray ray = camera::sight_ray(rig.cam0, Eigen::Vector2d(u, v));
+                const double depth_m = rendering.depth.at<float>(v, u);
+                const Eigen::Vector3d p_cam =
+                    ray.origin + (depth_m - ray.origin.z()) * ray.direction;
+                EXPECT_NEAR((T_world_cam * p_cam).z(), 0.0, 1e-5);
+                const auto pixel = camera::project(rig.cam0, p_cam);
+                ASSERT_TRUE(pixel);
+                EXPECT_LT((*pixel - Eigen::Vector2d(u, v)).norm(), 1e-6);
+            }
+    }
+}
 
 TEST(RendererTest, FishIsWhereItSwimsInBothCameras) {
     const Scene scene = make_floor_with_box(0.0F);
