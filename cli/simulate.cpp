@@ -18,6 +18,7 @@ struct Words {
     std::string camera_model = "radial-tangential";
     std::string pauses;
     std::string blue_water;
+    std::string positions;
 };
 
 void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& words) {
@@ -57,6 +58,9 @@ void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& 
     command.add_option("--stereo-offset", options.stereo_offset_ms, "delay of the right camera in ms that its timestamps do not show")->capture_default_str();
     command.add_option("--calibration-error", options.calibration_error, "errors of the calibration, drawn by seed, as a multiple of typical ones")->capture_default_str();
     command.add_option("--vertical-misalignment", options.vertical_misalignment_px, "vertical misalignment of the pair in pixels that the calibration does not show")->capture_default_str();
+    command.add_option("--positions", words.positions, "positions by another instrument, with outliers: usbl, gps-float or surface-fix");
+    command.add_flag("--dvl", options.dvl, "velocities over ground by a DVL");
+    command.add_flag("--control-points", options.control_points, "known positions of the --markers, to 2 cm");
     command.add_option("--threads", options.num_threads, "0: all cores; the result does not depend on it")->capture_default_str();
     // clang-format on
 }
@@ -68,6 +72,8 @@ int run(simulator::SimulateOptions options, const Words& words) {
     options.blue_water = simulator::stretches_from_string(words.blue_water);
     options.lens = simulator::lens_from_string(words.camera_model);
     options.marker_family = dive::marker_family_from_string(words.marker_family);
+    if (!words.positions.empty())
+        options.positions = simulator::position_kind_from_string(words.positions);
     catch_interrupts();
     ProgressBar bar;
     simulator::simulate(options, [&](const Progress& progress) {

@@ -83,6 +83,8 @@ constexpr Row kRows[] = {
     {"ahrs_jump",                   ""},
     {"ahrs_left_out_for_a_time",    ""},
     {"pressure_left_out",           ""},
+    {"positions_left_out",          ""},
+    {"positions_contradict_path",   "path"},
     {"imu_clock_offset",            ""},
     {"imu_lever_arm",               ""},
     {"frames_skipped",              ""},

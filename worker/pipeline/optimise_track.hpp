@@ -3,6 +3,7 @@
 #include "schemas/reconstruction_options.hpp"
 #include "worker/base/observer.hpp"
 #include "worker/keyframes/keyframe_store.hpp"
+#include "worker/optimisation/global_bundle_adjustment.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rig_alignment.hpp"
@@ -19,6 +20,7 @@ types::OptimisedTrack optimise_track(const types::Track& track,
                                      const ReconstructionOptions& options,
                                      const keyframes::KeyframeStore& store,
                                      const types::RigAlignment& alignment,
+                                     optimisation::WithPrior with_prior,
                                      const base::ProgressCallback& progress);
 
 }  // namespace divemesh::pipeline

@@ -10,6 +10,7 @@
 #include "worker/fusion/octree_volume.hpp"
 #include "worker/keyframes/keyframe_store.hpp"
 #include "worker/mesh/extract_surface.hpp"
+#include "worker/optimisation/global_bundle_adjustment.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/recording.hpp"
@@ -37,7 +38,8 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const ReconstructionOptions& options,
                                const keyframes::KeyframeStore& store,
                                const types::RigAlignment& alignment,
-                               const base::ProgressCallback& progress);
+                               const base::ProgressCallback& progress,
+                               optimisation::WithPrior with_prior = optimisation::WithPrior::No);
 
 // The result of step 7: the volume from which the surface is extracted, and the points of the
 // cloud.

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <string>
 #include <vector>
 
 #include "schemas/enum_text.hpp"
@@ -28,6 +30,12 @@ SceneKind scene_kind_from_string(std::string_view text) {
 
 WaterKind water_kind_from_string(std::string_view text) {
     return enum_from_text<WaterKind>(kWaterTexts, text, "water");
+}
+
+types::PositionKind position_kind_from_string(std::string_view text) {
+    std::string word(text);
+    std::ranges::replace(word, '-', '_');
+    return enum_from_text<types::PositionKind>(types::kPositionKindTexts, word, "positions");
 }
 
 types::Distortion lens_from_string(std::string_view text) {

@@ -1,0 +1,396 @@
+#include "worker/optimisation/join_path.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "worker/base/rotation_vector.hpp"
+
+namespace divemesh::optimisation {
+namespace {
+
+using Matrix3X = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+constexpr double kDegreesOfFreedom = 4.0;
+constexpr int kMaxIterations = 40;
+constexpr double kStillSigmas = 0.01;
+constexpr double kFixedOffset_m = 1e-6;
+// Factors on the sigmas of the first iterations: outliers and runs that lie far off are reached.
+constexpr std::array<double, 6> kWidening = {16.0, 16.0, 8.0, 4.0, 2.0, 2.0};
+
+Eigen::Index at(std::size_t anchor) { return 6 * static_cast<Eigen::Index>(anchor); }
+
+// Returns the matrix that takes the corrections of anchors in the world to unknowns: of the first
+// anchor of each run the motion of that run, of the others what remains.
+Eigen::MatrixXd unknowns_from_corrections(const AnchoredPath& path) {
+    const Eigen::Index size = at(path.size());
+    Eigen::MatrixXd M = Eigen::MatrixXd::Identity(size, size);
+    for (std::size_t i = 0; i < path.size(); ++i) {
+        const std::size_t first = path.first_of_run(i);
+        if (first == i) continue;
+        const Eigen::Vector3d arm =
+            path.T_world_imu(i).translation() - path.T_world_imu(first).translation();
+        M.block<6, 6>(at(i), at(first)) = -Eigen::Matrix<double, 6, 6>::Identity();
+        M.block<3, 3>(at(i), at(first) + 3) = base::cross_matrix(arm);
+    }
+    return M;
+}
+
+// Returns the offsets of the anchors from the first, in the rows of their positions.
+Eigen::VectorXd offsets(const AnchoredPath& path) {
+    Eigen::VectorXd offset = Eigen::VectorXd::Zero(at(path.size()));
+    for (std::size_t i = 0; i < path.size(); ++i)
+        offset.segment<3>(at(i)) =
+            path.T_world_imu(i).translation() - path.T_world_imu(0).translation();
+    return offset;
+}
+
+// Returns L with L L^T the covariance of the unknowns. The last column is the error of the scale.
+Eigen::MatrixXd root_of_prior(const AnchoredPath& path,
+                              const types::PathPrior& prior,
+                              const JoinSettings& settings) {
+    const Eigen::VectorXd along = offsets(path);
+    const double squared = along.squaredNorm();
+    Eigen::MatrixXd covariance = prior.drift;
+    if (!settings.calibration_is_exact) {
+        Eigen::MatrixXd shared = prior.shared;
+        if (squared > 0.0) shared -= along * (along.transpose() * shared) / squared;
+        covariance += shared * shared.transpose();
+    }
+    const Eigen::MatrixXd M = unknowns_from_corrections(path);
+    covariance = M * covariance * M.transpose();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
+        0.5 * (covariance + covariance.transpose()));
+    Eigen::MatrixXd root(covariance.rows(), covariance.cols() + 1);
+    root.leftCols(covariance.cols()) =
+        eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    root.rightCols<1>() = settings.scale_sigma * (M * along);
+    return root;
+}
+
+// A point after the correction of the path, and its derivatives with respect to the unknowns of two
+// anchors and of their run.
+struct MovedPoint {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    std::array<std::size_t, 3> anchors{};  // a, b, first of their run
+    std::array<Eigen::Matrix<double, 3, 6>, 3> J;
+};
+
+// One joining: the state of the iteration.
+class Joining {
+public:
+    Joining(const AnchoredPath& path,
+            const types::PathPrior& prior,
+            const std::vector<OutsidePoint>& points,
+            const std::vector<OutsideMotion>& motions,
+            const Eigen::Isometry3d& T_site_world,
+            const JoinSettings& settings)
+        : path_(path),
+          points_(points),
+          motions_(motions),
+          settings_(settings),
+          root_(root_of_prior(path, prior, settings)),
+          num_sources_(std::ssize(settings.offset_sigmas_m)),
+          yaw_(std::atan2(T_site_world.linear()(1, 0), T_site_world.linear()(0, 0))) {
+        for (const OutsidePoint& point : points_) center_ += point.p_world;
+        if (!points_.empty()) center_ /= static_cast<double>(points_.size());
+        place_ = T_site_world * center_;
+        normal_ = Eigen::VectorXd::Zero(root_.cols());
+        offsets_ = Eigen::VectorXd::Zero(3 * num_sources_);
+    }
+
+    JoinedPath run();
+
+private:
+    Eigen::Matrix3d R_site_world() const {
+        return (base::rotation_from_vector({tilt_.x(), tilt_.y(), 0.0}) *
+                Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ()))
+            .toRotationMatrix();
+    }
+    Eigen::Index num_path() const { return root_.rows(); }
+    Eigen::Index num_outer() const { return 6 + 3 * num_sources_; }
+
+    MovedPoint moved(const AnchoredPath::Place& place, const Eigen::Vector3d& p_world) const;
+    Eigen::Isometry3d correction(std::size_t anchor) const;
+    Eigen::Vector3d residual(const OutsidePoint& point, const MovedPoint& at_point) const;
+    void linearise(double widening);
+    void add_point(const OutsidePoint& point, double widening);
+    void add_motion(const OutsideMotion& motion, double widening);
+    double step();
+    void add_priors(Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
+    JoinedPath result(bool converged, int num_iterations) const;
+    Eigen::MatrixXd corrections_from_unknowns() const;
+
+    const AnchoredPath& path_;
+    const std::vector<OutsidePoint>& points_;
+    const std::vector<OutsideMotion>& motions_;
+    const JoinSettings& settings_;
+    Eigen::MatrixXd root_;
+    Eigen::Index num_sources_;
+    Eigen::Vector3d center_ = Eigen::Vector3d::Zero();  // the world is rotated about it
+    // Unknowns: independent standard normal numbers of the prior, the rotation, the place of the
+    // centre, and the offsets.
+    Eigen::VectorXd normal_;
+    Eigen::Vector2d tilt_ = Eigen::Vector2d::Zero();
+    double yaw_ = 0.0;
+    Eigen::Vector3d place_ = Eigen::Vector3d::Zero();
+    Eigen::VectorXd offsets_;
+    // Normal equations over corrections, rotation, place and offsets.
+    Eigen::VectorXd path_unknowns_;
+    Eigen::MatrixXd H_;
+    Eigen::VectorXd g_;
+    Eigen::MatrixXd covariance_;  // of the unknowns
+};
+
+JoinedPath Joining::run() {
+    bool converged = false;
+    int num_iterations = 0;
+    while (!converged && num_iterations < kMaxIterations) {
+        const auto i = static_cast<std::size_t>(num_iterations++);
+        const bool widened = i < kWidening.size();
+        linearise(widened ? kWidening[i] : 1.0);
+        const double moved_sigmas = step();
+        converged = !widened && moved_sigmas < kStillSigmas;
+    }
+    return result(converged, num_iterations);
+}
+
+// Returns exp(rotation) about an anchor, then the translation.
+Eigen::Isometry3d motion_about(const Eigen::Vector3d& p_world,
+                               const Eigen::Vector3d& translation,
+                               const Eigen::Vector3d& rotation) {
+    Eigen::Isometry3d T = Eigen::Isometry3d::Identity();
+    T.linear() = base::rotation_from_vector(rotation).toRotationMatrix();
+    T.translation() = p_world + translation - T.linear() * p_world;
+    return T;
+}
+
+Eigen::Isometry3d Joining::correction(std::size_t anchor) const {
+    const auto motion_of = [&](std::size_t i) {
+        return motion_about(path_.T_world_imu(i).translation(),
+                            path_unknowns_.segment<3>(at(i)),
+                            path_unknowns_.segment<3>(at(i) + 3));
+    };
+    const std::size_t first = path_.first_of_run(anchor);
+    return first == anchor ? motion_of(anchor) : motion_of(first) * motion_of(anchor);
+}
+
+MovedPoint Joining::moved(const AnchoredPath::Place& place, const Eigen::Vector3d& p_world) const {
+    MovedPoint result;
+    const std::size_t first = path_.first_of_run(place.a);
+    result.anchors = {place.a, place.b, first};
+    Eigen::Vector3d bent = Eigen::Vector3d::Zero();
+    const Eigen::Isometry3d Q = correction(first);
+    for (int i = 0; i < 2; ++i) {
+        const std::size_t anchor = result.anchors[static_cast<std::size_t>(i)];
+        const double weight = i == 0 ? 1.0 - place.weight_b : place.weight_b;
+        auto& J = result.J[static_cast<std::size_t>(i)];
+        J.setZero();
+        if (anchor == first) {
+            bent += weight * p_world;
+            continue;
+        }
+        const Eigen::Vector3d& p_anchor = path_.T_world_imu(anchor).translation();
+        const Eigen::Vector3d arm =
+            base::rotation_from_vector(path_unknowns_.segment<3>(at(anchor) + 3)) *
+            (p_world - p_anchor);
+        bent += weight * (p_anchor + path_unknowns_.segment<3>(at(anchor)) + arm);
+        J.leftCols<3>() = weight * Q.linear();
+        J.rightCols<3>() = -weight * Q.linear() * base::cross_matrix(arm);
+    }
+    result.p = Q * bent;
+    result.J[2].leftCols<3>().setIdentity();
+    result.J[2].rightCols<3>() =
+        -base::cross_matrix(Q.linear() * (bent - path_.T_world_imu(first).translation()));
+    return result;
+}
+
+Eigen::Vector3d Joining::residual(const OutsidePoint& point, const MovedPoint& at_point) const {
+    return point.p_site - place_ - R_site_world() * (at_point.p - center_) -
+           offsets_.segment<3>(3 * static_cast<Eigen::Index>(point.source));
+}
+
+// Returns the weight of a measurement by Student's t.
+double student_weight(double squared, double num_rows) {
+    return (kDegreesOfFreedom + num_rows) / (kDegreesOfFreedom + squared);
+}
+
+void Joining::linearise(double widening) {
+    path_unknowns_ = root_ * normal_;
+    H_ = Eigen::MatrixXd::Zero(num_path() + num_outer(), num_path() + num_outer());
+    g_ = Eigen::VectorXd::Zero(H_.rows());
+    for (const OutsidePoint& point : points_) add_point(point, widening);
+    for (const OutsideMotion& motion : motions_) add_motion(motion, widening);
+}
+
+void Joining::add_point(const OutsidePoint& point, double widening) {
+    const MovedPoint at_point = moved(path_.at(point.timestamp_ns), point.p_world);
+    const Eigen::Vector3d r = residual(point, at_point);
+    Eigen::Vector3d information = Eigen::Vector3d::Zero();
+    information.head<2>().setConstant(1.0 / std::pow(widening * point.sigma_h_m, 2));
+    if (point.sigma_v_m > 0.0) information.z() = 1.0 / std::pow(widening * point.sigma_v_m, 2);
+    information *= student_weight(r.cwiseAbs2().dot(information), point.sigma_v_m > 0.0 ? 3 : 2);
+    const Eigen::Matrix3d R = R_site_world();
+    // Six columns of each anchor, then rotation, place and offset: derivatives of the prediction.
+    std::array<Eigen::Index, 6> starts{};
+    std::array<Eigen::Matrix<double, 3, 6>, 3> of_path;
+    for (std::size_t i = 0; i < 3; ++i) {
+        starts[i] = at(at_point.anchors[i]);
+        of_path[i] = R * at_point.J[i];
+    }
+    Eigen::Matrix<double, 3, 9> outer;
+    outer << -base::cross_matrix(R * (at_point.p - center_)), Eigen::Matrix3d::Identity(),
+        Eigen::Matrix3d::Identity();
+    const std::array<Eigen::Index, 2> outer_starts = {
+        num_path(), num_path() + 6 + 3 * static_cast<Eigen::Index>(point.source)};
+    const auto outer_block = [&](std::size_t i) -> Matrix3X {
+        return i == 0 ? Matrix3X(outer.leftCols<6>()) : Matrix3X(outer.rightCols<3>());
+    };
+    std::vector<std::pair<Eigen::Index, Matrix3X>> blocks;
+    for (std::size_t i = 0; i < 3; ++i) blocks.emplace_back(starts[i], of_path[i]);
+    for (std::size_t i = 0; i < 2; ++i) blocks.emplace_back(outer_starts[i], outer_block(i));
+    for (const auto& [row, J_row] : blocks) {
+        const Eigen::MatrixXd weighted = J_row.transpose() * information.asDiagonal();
+        g_.segment(row, J_row.cols()) += weighted * r;
+        for (const auto& [column, J_column] : blocks)
+            H_.block(row, column, J_row.cols(), J_column.cols()) += weighted * J_column;
+    }
+}
+
+void Joining::add_motion(const OutsideMotion& motion, double widening) {
+    const std::size_t to = motion.from + 1;
+    const MovedPoint end = moved({to, to, 0.0}, path_.T_world_imu(to).translation());
+    const MovedPoint begin =
+        moved({motion.from, motion.from, 0.0}, path_.T_world_imu(motion.from).translation());
+    const Eigen::Vector3d motion_world = correction(motion.from).linear() *
+                                         path_.T_world_imu(motion.from).linear() *
+                                         motion.motion_imu;
+    const Eigen::Vector3d r = motion_world - (end.p - begin.p);
+    const double information = 1.0 / std::pow(widening * motion.sigma_m, 2);
+    const double weight = information * student_weight(information * r.squaredNorm(), 3.0);
+    std::vector<std::pair<Eigen::Index, Matrix3X>> blocks;
+    for (std::size_t i = 0; i < 3; ++i) {
+        blocks.emplace_back(at(end.anchors[i]), end.J[i]);
+        blocks.emplace_back(at(begin.anchors[i]), -begin.J[i]);
+    }
+    // A rotation of the first anchor, by its own and by its run's, rotates the motion too.
+    const std::size_t first = path_.first_of_run(motion.from);
+    Matrix3X turned = Matrix3X::Zero(3, 6);
+    turned.rightCols(3) = base::cross_matrix(motion_world);
+    blocks.emplace_back(at(first), turned);
+    if (first != motion.from) {
+        turned.rightCols(3) = base::cross_matrix(motion_world) * correction(first).linear();
+        blocks.emplace_back(at(motion.from), turned);
+    }
+    for (const auto& [row, J_row] : blocks) {
+        g_.segment(row, 6) += weight * J_row.transpose() * r;
+        for (const auto& [column, J_column] : blocks)
+            H_.block(row, column, 6, 6) += weight * J_row.transpose() * J_column;
+    }
+}
+
+void Joining::add_priors(Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
+    const Eigen::Index num_normal = root_.cols();
+    H.topLeftCorner(num_normal, num_normal).diagonal().array() += 1.0;
+    g.head(num_normal) -= normal_;
+    const double of_tilt = 1.0 / std::pow(settings_.tilt_sigma_rad, 2);
+    for (Eigen::Index axis = 0; axis < 2; ++axis) {
+        H(num_normal + axis, num_normal + axis) += of_tilt;
+        g[num_normal + axis] -= of_tilt * tilt_[axis];
+    }
+    for (Eigen::Index i = 0; i < 3 * num_sources_; ++i) {
+        const double stated_m = settings_.offset_sigmas_m[static_cast<std::size_t>(i / 3)];
+        const double sigma_m = i % 3 < 2 ? std::max(stated_m, kFixedOffset_m) : kFixedOffset_m;
+        H(num_normal + 6 + i, num_normal + 6 + i) += 1.0 / (sigma_m * sigma_m);
+        g[num_normal + 6 + i] -= offsets_[i] / (sigma_m * sigma_m);
+    }
+}
+
+// Solves for a step and takes it. Returns how far it moved the unknown that moved most, in its
+// standard deviations.
+double Joining::step() {
+    const Eigen::Index num_normal = root_.cols();
+    const Eigen::Index size = num_normal + num_outer();
+    Eigen::MatrixXd H(size, size);
+    H.topLeftCorner(num_normal, num_normal) =
+        root_.transpose() * H_.topLeftCorner(num_path(), num_path()) * root_;
+    H.topRightCorner(num_normal, num_outer()) =
+        root_.transpose() * H_.topRightCorner(num_path(), num_outer());
+    H.bottomLeftCorner(num_outer(), num_normal) =
+        H.topRightCorner(num_normal, num_outer()).transpose();
+    H.bottomRightCorner(num_outer(), num_outer()) = H_.bottomRightCorner(num_outer(), num_outer());
+    Eigen::VectorXd g(size);
+    g << root_.transpose() * g_.head(num_path()), g_.tail(num_outer());
+    add_priors(H, g);
+    // What no measurement tells, as a height, stays where it is.
+    constexpr double kUnknown_m = 1e4;
+    H.diagonal().segment<6>(num_normal).array() += 1.0 / (kUnknown_m * kUnknown_m);
+    const Eigen::LDLT<Eigen::MatrixXd> factor(H);
+    covariance_ = factor.solve(Eigen::MatrixXd::Identity(size, size));
+    const Eigen::VectorXd moved = factor.solve(g);
+    normal_ += moved.head(num_normal);
+    tilt_ += moved.segment<2>(num_normal);
+    yaw_ += moved[num_normal + 2];
+    place_ += moved.segment<3>(num_normal + 3);
+    offsets_ += moved.tail(3 * num_sources_);
+    return moved.cwiseAbs().cwiseQuotient(covariance_.diagonal().cwiseAbs().cwiseSqrt()).maxCoeff();
+}
+
+// Returns the matrix that takes unknowns to the corrections of anchors in the world, about the
+// corrected path.
+Eigen::MatrixXd Joining::corrections_from_unknowns() const {
+    const Eigen::Index size = num_path();
+    Eigen::MatrixXd M = Eigen::MatrixXd::Identity(size, size);
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+        const std::size_t first = path_.first_of_run(i);
+        if (first == i) continue;
+        const Eigen::Isometry3d Q = correction(first);
+        const Eigen::Vector3d arm = correction(i) * path_.T_world_imu(i).translation() -
+                                    Q * path_.T_world_imu(first).translation();
+        M.block<3, 3>(at(i), at(i)) = Q.linear();
+        M.block<3, 3>(at(i) + 3, at(i) + 3) = Q.linear();
+        M.block<6, 6>(at(i), at(first)).setIdentity();
+        M.block<3, 3>(at(i), at(first) + 3) = -base::cross_matrix(arm);
+    }
+    return M;
+}
+
+JoinedPath Joining::result(bool converged, int num_iterations) const {
+    JoinedPath joined{.converged = converged && normal_.allFinite() && place_.allFinite(),
+                      .num_iterations = num_iterations};
+    joined.T_site_world.linear() = R_site_world();
+    joined.T_site_world.translation() = place_ - R_site_world() * center_;
+    for (std::size_t i = 0; i < path_.size(); ++i) joined.T_new_old.push_back(correction(i));
+    const Eigen::Index num_normal = root_.cols();
+    const Eigen::MatrixXd M = corrections_from_unknowns() * root_;
+    joined.prior_covariance = M * M.transpose();
+    joined.covariance = M * covariance_.topLeftCorner(num_normal, num_normal) * M.transpose();
+    const Eigen::Vector3d start_m = R_site_world() * (path_.T_world_imu(0).translation() - center_);
+    Eigen::Matrix<double, 6, 6> to_start = Eigen::Matrix<double, 6, 6>::Identity();
+    to_start.bottomLeftCorner<3, 3>() = -base::cross_matrix(start_m);
+    joined.site_covariance =
+        to_start * covariance_.block<6, 6>(num_normal, num_normal) * to_start.transpose();
+    joined.scale_error = settings_.scale_sigma * normal_[num_normal - 1];
+    joined.scale_error_sigma =
+        settings_.scale_sigma * std::sqrt(covariance_(num_normal - 1, num_normal - 1));
+    joined.moved_sigmas = normal_.cwiseAbs().maxCoeff();
+    for (const OutsidePoint& point : points_)
+        joined.residuals_m.push_back(
+            residual(point, moved(path_.at(point.timestamp_ns), point.p_world)));
+    return joined;
+}
+
+}  // namespace
+
+JoinedPath join_path(const AnchoredPath& path,
+                     const types::PathPrior& prior,
+                     const std::vector<OutsidePoint>& points,
+                     const std::vector<OutsideMotion>& motions,
+                     const Eigen::Isometry3d& T_site_world,
+                     const JoinSettings& settings) {
+    return Joining(path, prior, points, motions, T_site_world, settings).run();
+}
+
+}  // namespace divemesh::optimisation
