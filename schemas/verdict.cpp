@@ -84,6 +84,7 @@ constexpr Row kRows[] = {
     {"ahrs_left_out_for_a_time",    ""},
     {"pressure_left_out",           ""},
     {"positions_left_out",          ""},
+    {"positions_untested",          ""},
     {"positions_contradict_path",   "path"},
     {"imu_clock_offset",            ""},
     {"imu_lever_arm",               ""},

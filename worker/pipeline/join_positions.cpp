@@ -29,7 +29,9 @@ constexpr double kMaxMoved_sigmas = 6.0;
 // Segments whose place relative to the first is known as well are put into its world.
 constexpr double kMaxJoined_m = 0.3;
 constexpr double kMaxJoined_rad = 0.05;
-constexpr double kMaxHeading_deg = 10.0;  // one standard deviation of a heading that is stated
+constexpr double kMaxHeading_deg = 10.0;   // one standard deviation of a heading that is stated
+constexpr std::int64_t kMinPositions = 8;  // of one source, that show whether they fit the path
+constexpr std::int64_t kMinControlPoints = 3;
 constexpr const char* kRemedy =
     "check the coordinate system, the clock and the place of the instrument (T_BS) of that source";
 
@@ -49,16 +51,20 @@ PointsAt points_of(const Reconstruction& made, const PathToJoin& to_join) {
     };
 }
 
+std::string file_of(const types::SourceAgreement& source) {
+    return source.kind == "control_points" ? "control_points.json"
+                                           : "mav0/" + source.name + "/data.csv";
+}
+
 std::vector<Finding> findings_on(const std::vector<types::SourceAgreement>& sources) {
     std::vector<Finding> findings;
     for (const types::SourceAgreement& source : sources) {
         if (source.left_out.empty()) continue;
-        const bool is_table = source.name.starts_with("position");
         findings.push_back({Severity::Warning,
                             "positions_left_out",
-                            is_table ? "mav0/" + source.name + "/data.csv" : source.name + ".json",
-                            "the positions of " + source.name + " (" + source.kind +
-                                ") contradict the images and were left out: " + source.left_out,
+                            file_of(source),
+                            source.name + " (" + source.kind +
+                                ") contradicts the images and was left out: " + source.left_out,
                             kRemedy});
     }
     return findings;
@@ -263,6 +269,21 @@ void place(const Site& site,
     if (!georeference.has_height) georeference.utm_m.z() = 0.0;
 }
 
+bool is_one_segment(const std::vector<types::Keyframe>& keyframes) {
+    return std::ranges::all_of(
+        keyframes, [](const types::Keyframe& keyframe) { return keyframe.segment == 0; });
+}
+
+// Returns why segments cannot be joined whose errors are not known together.
+Finding not_adjusted() {
+    return {Severity::Warning,
+            "positions_left_out",
+            "",
+            "the dive is in several segments, and its path was not adjusted as a whole: positions "
+            "cannot place it",
+            "use the preset standard or accurate"};
+}
+
 Finding contradicting(double moved_sigmas) {
     return {Severity::Warning,
             "positions_contradict_path",
@@ -271,6 +292,24 @@ Finding contradicting(double moved_sigmas) {
                 " standard deviations of what the images tell: they place the whole result, but "
                 "the path is as the cameras measured it",
             "check the calibration of the cameras, and the sigma of the positions"};
+}
+
+// Returns a warning if the place is known by so few positions that they could not be tested.
+std::optional<Finding> untested_finding(const types::GeoReference& georeference) {
+    std::int64_t num_used = 0;
+    for (const types::SourceAgreement& source : georeference.sources) {
+        if (source.kind == "control_points" && source.num_used() >= kMinControlPoints)
+            return std::nullopt;
+        num_used = std::max(num_used, source.kind == "dvl" ? 0 : source.num_used());
+    }
+    if (num_used == 0 || num_used >= kMinPositions) return std::nullopt;
+    return Finding{Severity::Warning,
+                   "positions_untested",
+                   "",
+                   "only " + std::to_string(num_used) +
+                       " positions place the result: a wrong clock or coordinate system would not "
+                       "show, and place and heading may be wrong by more than their sigmas",
+                   "record positions over the whole dive, or survey three markers"};
 }
 
 // Returns what the positions did.
@@ -315,24 +354,33 @@ std::optional<evaluation::ScaleCheck> scale_by_positions(const Reconstruction& m
 void join_positions(Reconstruction& made) {
     if (made.has_failed() || made.dive.outside().empty() || made.optimised.keyframes.empty())
         return;
+    if (made.optimised.prior.empty() && !is_one_segment(made.optimised.keyframes)) {
+        made.optimised.findings.push_back(not_adjusted());
+        return;
+    }
     PathToJoin to_join = path_to_join(made);
     optimisation::JoinSettings settings{
         .tilt_sigma_rad = tilt_sigma(made),
         .scale_sigma = made.optimised.statistics.path.shared_scale_sigma};
-    JoinedSources found = join_sources(
-        to_join, points_of(made, to_join), motions_by_velocity(made, to_join), settings);
+    const auto velocities = motions_by_velocity(made, to_join);
+    JoinedSources found =
+        join_sources(to_join,
+                     points_of(made, to_join),
+                     velocities ? velocities->motions : std::vector<optimisation::OutsideMotion>(),
+                     settings);
     types::GeoReference& georeference = made.georeference.emplace();
     std::vector<Finding>& findings = made.optimised.findings;
     const bool bends = found.joined.converged && found.joined.moved_sigmas > kMaxMoved_sigmas;
     if (bends) {
         findings.push_back(contradicting(found.joined.moved_sigmas));
-        if (made.optimised.max_depth_m > 0.0) return;  // segments apart are no rigid body
+        if (!is_one_segment(made.optimised.keyframes)) return;  // no rigid body
         made.optimised.prior = {};
         to_join = path_to_join(made);
         found = join_sources(to_join, points_of(made, to_join), {}, settings);
     }
     georeference.sources = found.sources;
-    const std::vector<Finding> left_out = findings_on(found.sources);
+    if (velocities) georeference.sources.push_back(velocities->agreement);
+    const std::vector<Finding> left_out = findings_on(georeference.sources);
     findings.insert(findings.end(), left_out.begin(), left_out.end());
     if (!found.joined.converged) return;
     const bool has_points =
@@ -342,6 +390,7 @@ void join_positions(Reconstruction& made) {
     georeference.moved_sigmas = found.joined.moved_sigmas;
     if (georeference.path_joined) Mover(to_join, found.joined, made).run();
     findings.push_back(joined_finding(georeference));
+    if (const auto untested = untested_finding(georeference)) findings.push_back(*untested);
     write_trajectories(made);
 }
 

@@ -8,10 +8,12 @@
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
+#include "worker/base/text.hpp"
 #include "worker/evaluation/tracking_segments.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/io/geographic_frame.hpp"
+#include "worker/stats/median.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -19,6 +21,8 @@ namespace {
 constexpr std::size_t kMaxPoints = 5000;       // of a source; more are thinned evenly
 constexpr double kVelocityScaleSigma = 0.005;  // of a DVL: the speed of sound
 constexpr double kMaxVelocityGap_s = 1.0;
+constexpr double kMedianOfThree = 1.5382;  // of the length of a normal vector in space, sigmas
+constexpr double kMaxSigmaFactor = 4.0;
 
 // Returns how far the segment of each keyframe was set apart along x, by the anchors.
 std::vector<double> apart_by_segment(const Reconstruction& made) {
@@ -261,16 +265,53 @@ std::vector<SourcePoints> source_points(const Reconstruction& made,
     return sources;
 }
 
-std::vector<optimisation::OutsideMotion> motions_by_velocity(const Reconstruction& made,
-                                                             const PathToJoin& to_join) {
+std::optional<VelocityMotions> motions_by_velocity(const Reconstruction& made,
+                                                   const PathToJoin& to_join) {
+    const auto& rows = made.dive.outside().velocities;
+    if (rows.empty()) return std::nullopt;
     const imu::InertialPrior inertial(made.recording, made.options(), made.track.left_out);
-    std::vector<optimisation::OutsideMotion> motions;
+    VelocityMotions result;
+    types::SourceAgreement& agreement = result.agreement;
+    agreement.name = "velocity0";
+    agreement.kind = "dvl";
+    agreement.num_rows = std::ssize(rows);
+    std::vector<double> in_sight_sigmas;
+    std::int64_t num_used = 0;
+    double squares_m2 = 0.0;
     for (std::size_t i = 1; i < to_join.path.size(); ++i) {
-        if (to_join.path.first_of_run(i) != i) continue;
-        if (const auto motion = motion_over(made, inertial, to_join.path, i - 1))
-            motions.push_back(*motion);
+        const auto motion = motion_over(made, inertial, to_join.path, i - 1);
+        if (!motion) continue;
+        if (to_join.path.first_of_run(i) == i) {
+            result.motions.push_back(*motion);
+            num_used += std::ranges::count_if(rows, [&](const types::VelocitySample& row) {
+                return row.timestamp_ns >= to_join.path.timestamp_ns(i - 1) &&
+                       row.timestamp_ns < to_join.path.timestamp_ns(i);
+            });
+            continue;
+        }
+        const Eigen::Vector3d seen = to_join.path.T_world_imu(i - 1).linear().transpose() *
+                                     (to_join.path.T_world_imu(i).translation() -
+                                      to_join.path.T_world_imu(i - 1).translation());
+        const double off_m = (motion->motion_imu - seen).norm();
+        in_sight_sigmas.push_back(off_m / motion->sigma_m);
+        squares_m2 += off_m * off_m;
     }
-    return motions;
+    if (!in_sight_sigmas.empty()) {
+        agreement.rms_m = std::sqrt(squares_m2 / static_cast<double>(in_sight_sigmas.size()));
+        agreement.sigma_factor =
+            std::max(1.0, stats::upper_median(std::move(in_sight_sigmas)) / kMedianOfThree);
+    }
+    agreement.num_without_path = agreement.num_rows - num_used;
+    if (agreement.sigma_factor > kMaxSigmaFactor) {
+        agreement.left_out = "the motions of keyframes in sight differ from them by " +
+                             base::fixed(agreement.rms_m, 2) + " m (RMS), " +
+                             base::fixed(agreement.sigma_factor, 0) +
+                             " times their sigma: their unit, clock or axes (T_BS) are wrong";
+        result.motions.clear();
+    }
+    for (optimisation::OutsideMotion& motion : result.motions)
+        motion.sigma_m *= agreement.sigma_factor;
+    return result;
 }
 
 }  // namespace divemesh::pipeline

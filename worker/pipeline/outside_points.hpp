@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <optional>
 #include <vector>
 
 #include "worker/optimisation/anchored_path.hpp"
@@ -49,9 +50,18 @@ std::vector<SourcePoints> source_points(const Reconstruction& made,
                                         const Site& site,
                                         double later_s = 0.0);
 
+// What the velocities of a dive tell.
+struct VelocityMotions {
+    types::SourceAgreement agreement;
+    std::vector<optimisation::OutsideMotion> motions;
+};
+
 // Returns the motions over every break of the path that the velocities cover. Elsewhere vision
-// measures them better. Between the ends of a break the body rotates as the gyroscope says.
-std::vector<optimisation::OutsideMotion> motions_by_velocity(const Reconstruction& made,
-                                                             const PathToJoin& to_join);
+// measures them better, and there the velocities are judged: their sigmas grow to the spread of the
+// differences, and where these are more than four times as large, no motion is returned and the
+// agreement says why. The body rotates between two anchors as the gyroscope says. nullopt without
+// velocities.
+std::optional<VelocityMotions> motions_by_velocity(const Reconstruction& made,
+                                                   const PathToJoin& to_join);
 
 }  // namespace divemesh::pipeline

@@ -27,15 +27,16 @@ TEST(PositionTablesTest, LatitudeAndLongitudeBecomeTheUtmOfTheirPlace) {
     FindingLog findings;
     types::OutsidePositions outside;
     outside.sources.push_back({.name = "position0", .epsg = 4326});
-    // The Eiffel tower; its UTM coordinates by the National Geographic Institute's converter.
+    // On a central meridian: 0.9996 times the meridian's arc to 45 degrees, 4,984,944.378 m on
+    // WGS 84.
     outside.sources[0].samples = parse_positions(
-        "1000000000,48.858222,2.2945,33.0,2.0,5.0\n", 4326, "mav0/position0/data.csv", findings);
+        "1000000000,45.0,3.0,33.0,2.0,5.0\n", 4326, "mav0/position0/data.csv", findings);
     ASSERT_EQ(outside.sources[0].samples.size(), 1U);
     to_common_system(outside, findings);
     EXPECT_TRUE(findings.all().empty());
     EXPECT_EQ(outside.utm_epsg, 32631);
-    EXPECT_NEAR(outside.sources[0].samples[0].utm_m.x(), 448251.8, 1.0);
-    EXPECT_NEAR(outside.sources[0].samples[0].utm_m.y(), 5411943.8, 1.0);
+    EXPECT_NEAR(outside.sources[0].samples[0].utm_m.x(), 500000.0, 1e-3);
+    EXPECT_NEAR(outside.sources[0].samples[0].utm_m.y(), 4982950.400, 2e-3);
     EXPECT_DOUBLE_EQ(outside.sources[0].samples[0].utm_m.z(), 33.0);
 }
 
