@@ -64,8 +64,8 @@ Eigen::MatrixXd root_of_prior(const AnchoredPath& path,
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(
         0.5 * (covariance + covariance.transpose()));
     Eigen::MatrixXd root(covariance.rows(), covariance.cols() + 1);
-    root.leftCols(covariance.cols()) =
-        eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+    root.leftCols(covariance.cols()) = settings.prior_factor * eigen.eigenvectors() *
+                                       eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
     root.rightCols<1>() = settings.scale_sigma * (M * along);
     return root;
 }
@@ -365,7 +365,9 @@ JoinedPath Joining::result(bool converged, int num_iterations) const {
     for (std::size_t i = 0; i < path_.size(); ++i) joined.T_new_old.push_back(correction(i));
     const Eigen::Index num_normal = root_.cols();
     const Eigen::MatrixXd M = corrections_from_unknowns() * root_;
-    joined.prior_covariance = M * M.transpose();
+    const Eigen::MatrixXd of_drift = M.leftCols(num_normal - 1) / settings_.prior_factor;
+    joined.prior_covariance =
+        of_drift * of_drift.transpose() + M.rightCols<1>() * M.rightCols<1>().transpose();
     joined.covariance = M * covariance_.topLeftCorner(num_normal, num_normal) * M.transpose();
     const Eigen::Vector3d start_m = R_site_world() * (path_.T_world_imu(0).translation() - center_);
     Eigen::Matrix<double, 6, 6> to_start = Eigen::Matrix<double, 6, 6>::Identity();
@@ -376,6 +378,9 @@ JoinedPath Joining::result(bool converged, int num_iterations) const {
     joined.scale_error_sigma =
         settings_.scale_sigma * std::sqrt(covariance_(num_normal - 1, num_normal - 1));
     joined.moved_sigmas = normal_.cwiseAbs().maxCoeff();
+    joined.moved_squares = normal_.squaredNorm();
+    joined.num_determined =
+        static_cast<double>(num_normal) - covariance_.topLeftCorner(num_normal, num_normal).trace();
     for (const OutsidePoint& point : points_)
         joined.residuals_m.push_back(
             residual(point, moved(path_.at(point.timestamp_ns), point.p_world)));

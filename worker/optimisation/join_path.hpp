@@ -33,6 +33,7 @@ struct JoinSettings {
     double tilt_sigma_rad = 0.01;         // of the world's vertical, each axis
     double scale_sigma = 0.0;             // of the error of the scale that all lengths share
     bool calibration_is_exact = false;    // leave out PathPrior::shared
+    double prior_factor = 1.0;            // on the sigmas of the prior
     std::vector<double> offset_sigmas_m;  // of each source: horizontal, the same for all its points
 };
 
@@ -50,8 +51,12 @@ struct JoinedPath {
     double scale_error = 0.0;
     double scale_error_sigma = 0.0;
     // How far the measurements moved the path, in the sigmas of its prior: the largest along one of
-    // its independent directions.
+    // its independent directions, and the sum of squares over all with the number of directions
+    // that the measurements determine (redundancy; Foerstner 1979). Their ratio is about 1 if the
+    // prior's sigmas are right.
     double moved_sigmas = 0.0;
+    double moved_squares = 0.0;
+    double num_determined = 0.0;
     // Of each point: its residual in `site`, m, measured minus path.
     std::vector<Eigen::Vector3d> residuals_m;
 };

@@ -28,7 +28,7 @@ json to_metrics(const types::GeoReference& georeference) {
         sources.push_back(to_metrics(source));
     json result = {{"sources", std::move(sources)},
                    {"path_joined", georeference.path_joined},
-                   {"moved_sigmas", georeference.moved_sigmas},
+                   {"path_sigma_factor", georeference.path_sigma_factor},
                    {"largest_correction_m", georeference.largest_correction_m},
                    {"num_joined_segments", georeference.num_joined_segments}};
     if (georeference.num_joined_segments > 0)

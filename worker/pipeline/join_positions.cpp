@@ -25,7 +25,7 @@ namespace {
 constexpr double kTiltSigma_rad = 0.005;  // of a vertical that sensors measured
 constexpr double kUnknownTilt_rad = 0.5;
 constexpr double kFreeScale = 0.1;  // sigma of a scale that the cameras do not tell
-constexpr double kMaxMoved_sigmas = 6.0;
+constexpr double kMaxPriorFactor = 6.0;
 // Segments whose place relative to the first is known as well are put into its world.
 constexpr double kMaxJoined_m = 0.3;
 constexpr double kMaxJoined_rad = 0.05;
@@ -284,13 +284,13 @@ Finding not_adjusted() {
             "use the preset standard or accurate"};
 }
 
-Finding contradicting(double moved_sigmas) {
+Finding contradicting(double prior_factor) {
     return {Severity::Warning,
             "positions_contradict_path",
             "",
-            "the positions bend the path by " + base::fixed(moved_sigmas, 1) +
-                " standard deviations of what the images tell: they place the whole result, but "
-                "the path is as the cameras measured it",
+            "the positions bend the path by " + base::fixed(prior_factor, 1) +
+                " times as much as the images allow: they place the whole result, but the path is "
+                "as the cameras measured it",
             "check the calibration of the cameras, and the sigma of the positions"};
 }
 
@@ -370,9 +370,9 @@ void join_positions(Reconstruction& made) {
                      settings);
     types::GeoReference& georeference = made.georeference.emplace();
     std::vector<Finding>& findings = made.optimised.findings;
-    const bool bends = found.joined.converged && found.joined.moved_sigmas > kMaxMoved_sigmas;
+    const bool bends = found.joined.converged && found.prior_factor > kMaxPriorFactor;
     if (bends) {
-        findings.push_back(contradicting(found.joined.moved_sigmas));
+        findings.push_back(contradicting(found.prior_factor));
         if (!is_one_segment(made.optimised.keyframes)) return;  // no rigid body
         made.optimised.prior = {};
         to_join = path_to_join(made);
@@ -387,7 +387,7 @@ void join_positions(Reconstruction& made) {
         std::ranges::any_of(found.sources, [](const auto& s) { return s.num_used() > 0; });
     if (has_points) place(site_of(made.dive.outside()), found.joined, georeference);
     georeference.path_joined = to_join.path.size() > 1;
-    georeference.moved_sigmas = found.joined.moved_sigmas;
+    georeference.path_sigma_factor = found.prior_factor;
     if (georeference.path_joined) Mover(to_join, found.joined, made).run();
     findings.push_back(joined_finding(georeference));
     if (const auto untested = untested_finding(georeference)) findings.push_back(*untested);

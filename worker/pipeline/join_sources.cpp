@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
 #include <utility>
@@ -21,7 +22,9 @@ constexpr double kMaxSigmaFactor = 4.0;
 constexpr double kDoubtful = 1.5;  // sigma factor from which on the cause is looked for
 constexpr double kMinUsedShare = 0.5;
 constexpr std::size_t kMinForSpread = 8;  // points
-constexpr int kMaxRounds = 3;
+constexpr int kMaxRounds = 6;
+constexpr double kSettled = 1.1;        // by which a factor still changes
+constexpr double kMinDetermined = 2.0;  // directions of the path that judge its sigmas
 // A wrong cause explains so much of the residuals that less than this part of them is left.
 constexpr double kExplained = 0.6;
 constexpr double kMaxClock_s = 120.0;
@@ -41,15 +44,12 @@ double best_median(const std::vector<OutsidePoint>& points) {
     return optimisation::median_residual_sigmas(points, optimisation::align_heading(points));
 }
 
-// Returns the likely cause if positions do not fit the path; "" if none is found.
-std::string cause_of(const PointsAt& points_at, std::size_t source) {
+// Returns the shift of the clock with which a rigid path fits the positions best, s; 0: none is
+// clearly better.
+double best_clock_s(const PointsAt& points_at, std::size_t source) {
     const auto at = [&](double later_s) { return thinned(points_at(later_s)[source].points); };
     const std::vector<OutsidePoint> points = at(0.0);
     const double as_stated = best_median(points);
-    std::vector<OutsidePoint> mirrored = points;
-    for (OutsidePoint& point : mirrored) point.p_site.x() = -point.p_site.x();
-    if (best_median(mirrored) < kExplained * as_stated)
-        return "they fit a mirrored path: two coordinates are exchanged or one has the wrong sign";
     double best_s = 0.0;
     double best = as_stated;
     for (double later_s = -kMaxClock_s; later_s <= kMaxClock_s; later_s += kClockStep_s) {
@@ -60,10 +60,29 @@ std::string cause_of(const PointsAt& points_at, std::size_t source) {
         best = median;
         best_s = later_s;
     }
-    if (best < kExplained * as_stated && std::abs(best_s) >= kMinClock_s)
-        return "they fit if their clock is " + base::fixed(std::abs(best_s), 0) + " s " +
-               (best_s > 0.0 ? "behind" : "ahead of") + " that of the cameras";
-    return "";
+    return best < kExplained * as_stated && std::abs(best_s) >= kMinClock_s ? best_s : 0.0;
+}
+
+// Returns the median residual, in stated sigmas, of a path that is joined with points of one source
+// alone.
+using JoinedMedian = std::function<double(const std::vector<OutsidePoint>&)>;
+
+// Returns the likely cause if positions do not fit the path; "" if none is found. A cause is one
+// only if the path joined with what it explains fits clearly better: a path that drifts fits any
+// positions badly as long as it is rigid.
+std::string cause_of(const PointsAt& points_at,
+                     std::size_t source,
+                     const JoinedMedian& joined_median) {
+    std::vector<OutsidePoint> points = points_at(0.0)[source].points;
+    if (points.size() < kMinForSpread) return "";
+    const double limit = kExplained * joined_median(points);
+    for (OutsidePoint& point : points) point.p_site.x() = -point.p_site.x();
+    if (joined_median(points) < limit)
+        return "they fit a mirrored path: two coordinates are exchanged or one has the wrong sign";
+    const double later_s = best_clock_s(points_at, source);
+    if (later_s == 0.0 || joined_median(points_at(later_s)[source].points) >= limit) return "";
+    return "they fit if their clock is " + base::fixed(std::abs(later_s), 0) + " s " +
+           (later_s > 0.0 ? "behind" : "ahead of") + " that of the cameras";
 }
 
 // Returns the factor by which the sigma of a mean of many is larger because neighbours are alike:
@@ -123,7 +142,10 @@ void judge(const std::vector<Eigen::Vector3d>& residuals_m, Judged& source) {
 }
 
 // Returns why a source must be left out; "" if it may be used.
-std::string reason_against(const PointsAt& points_at, std::size_t index, Judged& source) {
+std::string reason_against(const PointsAt& points_at,
+                           std::size_t index,
+                           const JoinedMedian& joined_median,
+                           Judged& source) {
     const types::SourceAgreement& agreement = source.given.agreement;
     const auto num = static_cast<double>(source.given.points.size());
     const double used_share = 1.0 - static_cast<double>(agreement.num_rejected) / num;
@@ -131,7 +153,8 @@ std::string reason_against(const PointsAt& points_at, std::size_t index, Judged&
     if (agreement.sigma_factor < kDoubtful && fits) return "";
     if (!source.was_diagnosed && agreement.kind != "control_points") {
         source.was_diagnosed = true;
-        if (const std::string cause = cause_of(points_at, index); !cause.empty()) return cause;
+        if (const std::string cause = cause_of(points_at, index, joined_median); !cause.empty())
+            return cause;
     }
     if (fits) return "";
     return "they are " + base::fixed(agreement.sigma_factor, 1) +
@@ -174,6 +197,12 @@ Eigen::Isometry3d start_of(const std::vector<Judged>& sources) {
     return best;
 }
 
+// Returns by how much the sigmas of the path have to grow to agree with how far it was moved.
+double growth_of_prior(const optimisation::JoinedPath& joined) {
+    if (joined.num_determined < kMinDetermined) return 1.0;
+    return std::max(1.0, std::sqrt(joined.moved_squares / joined.num_determined));
+}
+
 }  // namespace
 
 JoinedSources join_sources(const PathToJoin& to_join,
@@ -189,6 +218,18 @@ JoinedSources join_sources(const PathToJoin& to_join,
         if (!sources.back().used)
             sources.back().given.agreement.left_out = "none of them belongs to a place of the path";
     }
+    const auto joined_median = [&](const std::vector<OutsidePoint>& points) {
+        std::vector<OutsidePoint> alone = points;
+        for (OutsidePoint& point : alone) point.source = 0;
+        optimisation::JoinSettings of_one = settings;
+        of_one.offset_sigmas_m = {0.0};
+        const auto joined = optimisation::join_path(
+            to_join.path, to_join.prior, alone, {}, optimisation::align_heading(alone), of_one);
+        std::vector<double> sigmas;
+        for (std::size_t i = 0; i < alone.size(); ++i)
+            sigmas.push_back(joined.residuals_m[i].head<2>().norm() / alone[i].sigma_h_m);
+        return stats::upper_median(std::move(sigmas));
+    };
     JoinedSources result;
     bool is_final = false;
     for (int round = 0; !is_final; ++round) {
@@ -196,7 +237,8 @@ JoinedSources join_sources(const PathToJoin& to_join,
         if (points.empty() && motions.empty()) break;
         result.joined = optimisation::join_path(
             to_join.path, to_join.prior, points, motions, start_of(sources), with_offsets);
-        is_final = round >= kMaxRounds || points.empty();
+        const double growth = growth_of_prior(result.joined);
+        is_final = round >= kMaxRounds || points.empty() || (round > 0 && growth < kSettled);
         auto residual = result.joined.residuals_m.begin();
         for (std::size_t s = 0; s < sources.size(); ++s) {
             Judged& source = sources[s];
@@ -204,10 +246,12 @@ JoinedSources join_sources(const PathToJoin& to_join,
             const auto end = residual + std::ssize(source.given.points);
             judge({residual, end}, source);
             residual = end;
-            source.given.agreement.left_out = reason_against(points_at, s, source);
+            source.given.agreement.left_out = reason_against(points_at, s, joined_median, source);
             source.used = source.given.agreement.left_out.empty();
             if (!source.used) is_final = false;  // the others, without it
         }
+        if (!is_final) with_offsets.prior_factor *= growth;
+        result.prior_factor = with_offsets.prior_factor;
     }
     for (Judged& source : sources) result.sources.push_back(std::move(source.given.agreement));
     const bool any = !motions.empty() || std::ranges::any_of(sources, &Judged::used);

@@ -310,8 +310,8 @@ types::OptimisedTrack optimise_track(const types::Track& track,
                                      const ReconstructionOptions& options,
                                      const keyframes::KeyframeStore& store,
                                      const types::RigAlignment& alignment,
-                                     optimisation::WithPrior with_prior,
-                                     const base::ProgressCallback& progress) {
+                                     const base::ProgressCallback& progress,
+                                     optimisation::WithPrior with_prior) {
     return TrackOptimiser(track, recording, options, store, alignment, with_prior, progress).run();
 }
 

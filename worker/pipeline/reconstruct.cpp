@@ -138,7 +138,7 @@ types::OptimisedTrack optimise(const types::Track& track,
                             estimator_of(options).adjusts_whole_dive && track.keyframes.size() >= 2;
     types::OptimisedTrack result =
         whole_dive
-            ? optimise_track(track, recording, options, store, alignment, with_prior, progress)
+            ? optimise_track(track, recording, options, store, alignment, progress, with_prior)
             : as_tracked(track);
     if (!whole_dive && !untracked) check_as_tracked(track, recording, options, result);
     std::vector<Finding> findings = track.findings;

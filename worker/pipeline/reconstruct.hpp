@@ -32,7 +32,7 @@ types::Track track(types::Recording& recording,
 
 // Returns the optimised track: loops closed, all keyframes adjusted, calibration refined. The
 // pairwise estimator's track stays as it is. If hardly any frame was tracked, or the result
-// diverged, an error is among its findings.
+// diverged, an error is among its findings. `with_prior` asks for OptimisedTrack::prior.
 types::OptimisedTrack optimise(const types::Track& track,
                                const types::Recording& recording,
                                const ReconstructionOptions& options,

@@ -39,8 +39,9 @@ struct GeoReference {
     Eigen::Vector3d sigma_m = Eigen::Vector3d::Zero();  // along easting, northing and up
     bool has_height = false;
     double heading_sigma_deg = 0.0;
-    bool path_joined = false;   // the path was corrected too
-    double moved_sigmas = 0.0;  // how far, in sigmas of what was known of the path
+    bool path_joined = false;  // the path was corrected too
+    // On the sigmas of the path, by how far the sources moved it: 1 if these are as stated.
+    double path_sigma_factor = 1.0;
     double largest_correction_m = 0.0;
     int num_joined_segments = 0;  // that were put into the world of the first
     double joined_sigma_m = 0.0;  // the largest, of their places relative to the first

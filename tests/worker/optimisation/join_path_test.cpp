@@ -215,6 +215,23 @@ TEST(JoinPathTest, AFreeScaleIsFound) {
     EXPECT_LT(joined.scale_error_sigma, 0.006);
 }
 
+TEST(JoinPathTest, TellsWhetherThePathDriftedMoreThanItsPriorSays) {
+    double ratio = 0.0;
+    double ratio_too_small = 0.0;
+    constexpr int kDraws = 15;
+    for (std::uint64_t seed = 1; seed <= kDraws; ++seed) {
+        DriftingPath made = drifting_path(seed);
+        const std::vector<OutsidePoint> points = positions(made, 0.3, 0.0, seed);
+        const JoinedPath right = join(made, points);
+        ratio += right.moved_squares / right.num_determined / kDraws;
+        made.prior.drift /= 16.0;
+        const JoinedPath wrong = join(made, points);
+        ratio_too_small += wrong.moved_squares / wrong.num_determined / kDraws;
+    }
+    EXPECT_NEAR(ratio, 1.0, 0.4);
+    EXPECT_GT(ratio_too_small, 3.0);
+}
+
 TEST(JoinPathTest, AnOffsetOfAllPositionsIsNotTakenForCertain) {
     const DriftingPath made = drifting_path(5);
     const std::vector<OutsidePoint> points = positions(made, 0.3, 0.0, 5);

@@ -117,6 +117,37 @@ TEST(JoinSourcesTest, SigmasThatAreTooSmallGrowToWhatIsSeen) {
     EXPECT_NEAR(agreement.sigma_factor, std::hypot(0.3, 0.6) / 0.3, 0.5);
 }
 
+TEST(JoinSourcesTest, APathIsBentAsFarAsPositionsShowThatItsSigmasAreTooSmall) {
+    PathToJoin bent = exact_path();
+    std::vector<Eigen::Isometry3d> anchors;
+    for (std::size_t i = 0; i < bent.path.size(); ++i) {
+        Eigen::Isometry3d T = bent.path.T_world_imu(i);
+        T.translation().y() +=
+            0.02 * std::pow(static_cast<double>(i), 2) / 2.0;  // 5.8 m in the end
+        anchors.push_back(T);
+    }
+    for (Eigen::Index i = 1; i < std::ssize(anchors); ++i)  // a walk of a decimetre
+        for (Eigen::Index j = 1; j < std::ssize(anchors); ++j)
+            bent.prior.drift.block<3, 3>(6 * i, 6 * j) =
+                0.01 * static_cast<double>(std::min(i, j)) * Eigen::Matrix3d::Identity();
+    bent.path = optimisation::AnchoredPath(bent.prior.timestamps_ns, anchors, {});
+    const auto as_bent = [&](double later_s) {
+        auto sources = positions(0.0, kAsMeasured)(later_s);
+        for (optimisation::OutsidePoint& point : sources[0].points) {
+            const double i = 24.0 * base::to_s(point.timestamp_ns) / kDuration_s;
+            point.p_world.y() += 0.02 * i * i / 2.0;
+        }
+        return sources;
+    };
+    const JoinedSources found = join_sources(bent, as_bent, {}, {});
+    ASSERT_TRUE(found.joined.converged);
+    EXPECT_EQ(found.sources.at(0).left_out, "");
+    EXPECT_GT(found.prior_factor, 1.5);
+    const Eigen::Vector3d end =
+        found.joined.T_new_old.back() * anchors.back().translation() - place_at(kDuration_s);
+    EXPECT_LT(end.norm(), 1.0);
+}
+
 TEST(JoinSourcesTest, PositionsOfAnotherPlaceAreLeftOut) {
     const auto agreement = agreement_of(positions(0.0, [](std::size_t i, Eigen::Vector3d& p) {
         base::RandomRow own(200 + i);
