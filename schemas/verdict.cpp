@@ -85,6 +85,7 @@ constexpr Row kRows[] = {
     {"pressure_left_out",           ""},
     {"positions_left_out",          ""},
     {"positions_untested",          ""},
+    {"positions_not_joined",        ""},
     {"positions_contradict_path",   "path"},
     {"imu_clock_offset",            ""},
     {"imu_lever_arm",               ""},

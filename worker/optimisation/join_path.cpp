@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "worker/base/rotation_vector.hpp"
 
@@ -14,26 +15,24 @@ namespace {
 using Matrix3X = Eigen::Matrix<double, 3, Eigen::Dynamic>;
 
 constexpr double kDegreesOfFreedom = 4.0;
-constexpr int kMaxIterations = 40;
-constexpr double kStillSigmas = 0.01;
+constexpr int kMaxIterations = 100;
+constexpr double kStillSigmas = 0.03;
 constexpr double kFixedOffset_m = 1e-6;
 // Factors on the sigmas of the first iterations: outliers and runs that lie far off are reached.
 constexpr std::array<double, 6> kWidening = {16.0, 16.0, 8.0, 4.0, 2.0, 2.0};
 
 Eigen::Index at(std::size_t anchor) { return 6 * static_cast<Eigen::Index>(anchor); }
 
-// Returns the matrix that takes the corrections of anchors in the world to unknowns: of the first
-// anchor of each run the motion of that run, of the others what remains.
+// Returns the matrix that takes the corrections of anchors in the world to unknowns: of each anchor
+// the correction of its motion from the anchor before.
 Eigen::MatrixXd unknowns_from_corrections(const AnchoredPath& path) {
     const Eigen::Index size = at(path.size());
     Eigen::MatrixXd M = Eigen::MatrixXd::Identity(size, size);
-    for (std::size_t i = 0; i < path.size(); ++i) {
-        const std::size_t first = path.first_of_run(i);
-        if (first == i) continue;
+    for (std::size_t i = 1; i < path.size(); ++i) {
         const Eigen::Vector3d arm =
-            path.T_world_imu(i).translation() - path.T_world_imu(first).translation();
-        M.block<6, 6>(at(i), at(first)) = -Eigen::Matrix<double, 6, 6>::Identity();
-        M.block<3, 3>(at(i), at(first) + 3) = base::cross_matrix(arm);
+            path.T_world_imu(i).translation() - path.T_world_imu(i - 1).translation();
+        M.block<6, 6>(at(i), at(i - 1)) = -Eigen::Matrix<double, 6, 6>::Identity();
+        M.block<3, 3>(at(i), at(i - 1) + 3) = base::cross_matrix(arm);
     }
     return M;
 }
@@ -70,12 +69,12 @@ Eigen::MatrixXd root_of_prior(const AnchoredPath& path,
     return root;
 }
 
-// A point after the correction of the path, and its derivatives with respect to the unknowns of two
-// anchors and of their run.
+// A point after the correction of the path, and its derivatives with respect to the corrections of
+// two anchors in the world.
 struct MovedPoint {
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
-    std::array<std::size_t, 3> anchors{};  // a, b, first of their run
-    std::array<Eigen::Matrix<double, 3, 6>, 3> J;
+    Eigen::Matrix<double, 3, 6> J_a;
+    Eigen::Matrix<double, 3, 6> J_b;
 };
 
 // One joining: the state of the iteration.
@@ -113,14 +112,17 @@ private:
     Eigen::Index num_outer() const { return 6 + 3 * num_sources_; }
 
     MovedPoint moved(const AnchoredPath::Place& place, const Eigen::Vector3d& p_world) const;
-    Eigen::Isometry3d correction(std::size_t anchor) const;
+    void correct_anchors();
     Eigen::Vector3d residual(const OutsidePoint& point, const MovedPoint& at_point) const;
     void linearise(double widening);
     void add_point(const OutsidePoint& point, double widening);
+    void add_rows(const std::vector<std::pair<Eigen::Index, Matrix3X>>& blocks,
+                  const Eigen::Vector3d& information,
+                  const Eigen::Vector3d& r);
     void add_motion(const OutsideMotion& motion, double widening);
     double step();
     void add_priors(Eigen::MatrixXd& H, Eigen::VectorXd& g) const;
-    JoinedPath result(bool converged, int num_iterations) const;
+    JoinedPath result(bool converged, int num_iterations);
     Eigen::MatrixXd corrections_from_unknowns() const;
 
     const AnchoredPath& path_;
@@ -139,6 +141,7 @@ private:
     Eigen::VectorXd offsets_;
     // Normal equations over corrections, rotation, place and offsets.
     Eigen::VectorXd path_unknowns_;
+    std::vector<Eigen::Isometry3d> T_new_old_;  // of each anchor
     Eigen::MatrixXd H_;
     Eigen::VectorXd g_;
     Eigen::MatrixXd covariance_;  // of the unknowns
@@ -167,43 +170,29 @@ Eigen::Isometry3d motion_about(const Eigen::Vector3d& p_world,
     return T;
 }
 
-Eigen::Isometry3d Joining::correction(std::size_t anchor) const {
-    const auto motion_of = [&](std::size_t i) {
-        return motion_about(path_.T_world_imu(i).translation(),
-                            path_unknowns_.segment<3>(at(i)),
-                            path_unknowns_.segment<3>(at(i) + 3));
-    };
-    const std::size_t first = path_.first_of_run(anchor);
-    return first == anchor ? motion_of(anchor) : motion_of(first) * motion_of(anchor);
+// Chains the corrections of the motions: a path that bends far stays as long as it is.
+void Joining::correct_anchors() {
+    path_unknowns_ = root_ * normal_;
+    T_new_old_.clear();
+    for (std::size_t i = 0; i < path_.size(); ++i) {
+        const Eigen::Isometry3d own = motion_about(path_.T_world_imu(i).translation(),
+                                                   path_unknowns_.segment<3>(at(i)),
+                                                   path_unknowns_.segment<3>(at(i) + 3));
+        T_new_old_.push_back(i == 0 ? own : T_new_old_.back() * own);
+    }
 }
 
 MovedPoint Joining::moved(const AnchoredPath::Place& place, const Eigen::Vector3d& p_world) const {
     MovedPoint result;
-    const std::size_t first = path_.first_of_run(place.a);
-    result.anchors = {place.a, place.b, first};
-    Eigen::Vector3d bent = Eigen::Vector3d::Zero();
-    const Eigen::Isometry3d Q = correction(first);
-    for (int i = 0; i < 2; ++i) {
-        const std::size_t anchor = result.anchors[static_cast<std::size_t>(i)];
-        const double weight = i == 0 ? 1.0 - place.weight_b : place.weight_b;
-        auto& J = result.J[static_cast<std::size_t>(i)];
-        J.setZero();
-        if (anchor == first) {
-            bent += weight * p_world;
-            continue;
-        }
-        const Eigen::Vector3d& p_anchor = path_.T_world_imu(anchor).translation();
+    const auto add = [&](std::size_t anchor, double weight, Eigen::Matrix<double, 3, 6>& J) {
+        const Eigen::Vector3d p_new = T_new_old_[anchor] * p_world;
         const Eigen::Vector3d arm =
-            base::rotation_from_vector(path_unknowns_.segment<3>(at(anchor) + 3)) *
-            (p_world - p_anchor);
-        bent += weight * (p_anchor + path_unknowns_.segment<3>(at(anchor)) + arm);
-        J.leftCols<3>() = weight * Q.linear();
-        J.rightCols<3>() = -weight * Q.linear() * base::cross_matrix(arm);
-    }
-    result.p = Q * bent;
-    result.J[2].leftCols<3>().setIdentity();
-    result.J[2].rightCols<3>() =
-        -base::cross_matrix(Q.linear() * (bent - path_.T_world_imu(first).translation()));
+            p_new - T_new_old_[anchor] * path_.T_world_imu(anchor).translation();
+        result.p += weight * p_new;
+        J << weight * Eigen::Matrix3d::Identity(), -weight * base::cross_matrix(arm);
+    };
+    add(place.a, 1.0 - place.weight_b, result.J_a);
+    add(place.b, place.weight_b, result.J_b);
     return result;
 }
 
@@ -218,7 +207,7 @@ double student_weight(double squared, double num_rows) {
 }
 
 void Joining::linearise(double widening) {
-    path_unknowns_ = root_ * normal_;
+    correct_anchors();
     H_ = Eigen::MatrixXd::Zero(num_path() + num_outer(), num_path() + num_outer());
     g_ = Eigen::VectorXd::Zero(H_.rows());
     for (const OutsidePoint& point : points_) add_point(point, widening);
@@ -233,24 +222,22 @@ void Joining::add_point(const OutsidePoint& point, double widening) {
     if (point.sigma_v_m > 0.0) information.z() = 1.0 / std::pow(widening * point.sigma_v_m, 2);
     information *= student_weight(r.cwiseAbs2().dot(information), point.sigma_v_m > 0.0 ? 3 : 2);
     const Eigen::Matrix3d R = R_site_world();
-    // Six columns of each anchor, then rotation, place and offset: derivatives of the prediction.
-    std::array<Eigen::Index, 6> starts{};
-    std::array<Eigen::Matrix<double, 3, 6>, 3> of_path;
-    for (std::size_t i = 0; i < 3; ++i) {
-        starts[i] = at(at_point.anchors[i]);
-        of_path[i] = R * at_point.J[i];
-    }
-    Eigen::Matrix<double, 3, 9> outer;
-    outer << -base::cross_matrix(R * (at_point.p - center_)), Eigen::Matrix3d::Identity(),
-        Eigen::Matrix3d::Identity();
-    const std::array<Eigen::Index, 2> outer_starts = {
-        num_path(), num_path() + 6 + 3 * static_cast<Eigen::Index>(point.source)};
-    const auto outer_block = [&](std::size_t i) -> Matrix3X {
-        return i == 0 ? Matrix3X(outer.leftCols<6>()) : Matrix3X(outer.rightCols<3>());
-    };
-    std::vector<std::pair<Eigen::Index, Matrix3X>> blocks;
-    for (std::size_t i = 0; i < 3; ++i) blocks.emplace_back(starts[i], of_path[i]);
-    for (std::size_t i = 0; i < 2; ++i) blocks.emplace_back(outer_starts[i], outer_block(i));
+    Matrix3X outer(3, 6);  // rotation and place
+    outer << -base::cross_matrix(R * (at_point.p - center_)), Eigen::Matrix3d::Identity();
+    const AnchoredPath::Place place = path_.at(point.timestamp_ns);
+    add_rows({{at(place.a), R * at_point.J_a},
+              {at(place.b), R * at_point.J_b},
+              {num_path(), outer},
+              {num_path() + 6 + 3 * static_cast<Eigen::Index>(point.source),
+               Eigen::Matrix3d::Identity()}},
+             information,
+             r);
+}
+
+// Adds three rows to the normal equations: derivatives with the columns at which they begin.
+void Joining::add_rows(const std::vector<std::pair<Eigen::Index, Matrix3X>>& blocks,
+                       const Eigen::Vector3d& information,
+                       const Eigen::Vector3d& r) {
     for (const auto& [row, J_row] : blocks) {
         const Eigen::MatrixXd weighted = J_row.transpose() * information.asDiagonal();
         g_.segment(row, J_row.cols()) += weighted * r;
@@ -260,35 +247,22 @@ void Joining::add_point(const OutsidePoint& point, double widening) {
 }
 
 void Joining::add_motion(const OutsideMotion& motion, double widening) {
-    const std::size_t to = motion.from + 1;
-    const MovedPoint end = moved({to, to, 0.0}, path_.T_world_imu(to).translation());
-    const MovedPoint begin =
-        moved({motion.from, motion.from, 0.0}, path_.T_world_imu(motion.from).translation());
-    const Eigen::Vector3d motion_world = correction(motion.from).linear() *
+    const auto p_new = [&](std::size_t anchor) -> Eigen::Vector3d {
+        return T_new_old_[anchor] * path_.T_world_imu(anchor).translation();
+    };
+    const Eigen::Vector3d motion_world = T_new_old_[motion.from].linear() *
                                          path_.T_world_imu(motion.from).linear() *
                                          motion.motion_imu;
-    const Eigen::Vector3d r = motion_world - (end.p - begin.p);
+    const Eigen::Vector3d r = motion_world - (p_new(motion.from + 1) - p_new(motion.from));
     const double information = 1.0 / std::pow(widening * motion.sigma_m, 2);
-    const double weight = information * student_weight(information * r.squaredNorm(), 3.0);
-    std::vector<std::pair<Eigen::Index, Matrix3X>> blocks;
-    for (std::size_t i = 0; i < 3; ++i) {
-        blocks.emplace_back(at(end.anchors[i]), end.J[i]);
-        blocks.emplace_back(at(begin.anchors[i]), -begin.J[i]);
-    }
-    // A rotation of the first anchor, by its own and by its run's, rotates the motion too.
-    const std::size_t first = path_.first_of_run(motion.from);
-    Matrix3X turned = Matrix3X::Zero(3, 6);
-    turned.rightCols(3) = base::cross_matrix(motion_world);
-    blocks.emplace_back(at(first), turned);
-    if (first != motion.from) {
-        turned.rightCols(3) = base::cross_matrix(motion_world) * correction(first).linear();
-        blocks.emplace_back(at(motion.from), turned);
-    }
-    for (const auto& [row, J_row] : blocks) {
-        g_.segment(row, 6) += weight * J_row.transpose() * r;
-        for (const auto& [column, J_column] : blocks)
-            H_.block(row, column, 6, 6) += weight * J_row.transpose() * J_column;
-    }
+    Matrix3X J_from(3, 6);  // a rotation there rotates the motion too
+    J_from << -Eigen::Matrix3d::Identity(), base::cross_matrix(motion_world);
+    Matrix3X J_to = Matrix3X::Zero(3, 6);
+    J_to.leftCols<3>().setIdentity();
+    add_rows(
+        {{at(motion.from), J_from}, {at(motion.from + 1), J_to}},
+        Eigen::Vector3d::Constant(information * student_weight(information * r.squaredNorm(), 3.0)),
+        r);
 }
 
 void Joining::add_priors(Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
@@ -313,16 +287,17 @@ void Joining::add_priors(Eigen::MatrixXd& H, Eigen::VectorXd& g) const {
 double Joining::step() {
     const Eigen::Index num_normal = root_.cols();
     const Eigen::Index size = num_normal + num_outer();
+    const Eigen::MatrixXd root = corrections_from_unknowns() * root_;
     Eigen::MatrixXd H(size, size);
     H.topLeftCorner(num_normal, num_normal) =
-        root_.transpose() * H_.topLeftCorner(num_path(), num_path()) * root_;
+        root.transpose() * H_.topLeftCorner(num_path(), num_path()) * root;
     H.topRightCorner(num_normal, num_outer()) =
-        root_.transpose() * H_.topRightCorner(num_path(), num_outer());
+        root.transpose() * H_.topRightCorner(num_path(), num_outer());
     H.bottomLeftCorner(num_outer(), num_normal) =
         H.topRightCorner(num_normal, num_outer()).transpose();
     H.bottomRightCorner(num_outer(), num_outer()) = H_.bottomRightCorner(num_outer(), num_outer());
     Eigen::VectorXd g(size);
-    g << root_.transpose() * g_.head(num_path()), g_.tail(num_outer());
+    g << root.transpose() * g_.head(num_path()), g_.tail(num_outer());
     add_priors(H, g);
     // What no measurement tells, as a height, stays where it is.
     constexpr double kUnknown_m = 1e4;
@@ -339,30 +314,30 @@ double Joining::step() {
 }
 
 // Returns the matrix that takes unknowns to the corrections of anchors in the world, about the
-// corrected path.
+// corrected path: every anchor up to one moves it along, and rotates it about itself.
 Eigen::MatrixXd Joining::corrections_from_unknowns() const {
-    const Eigen::Index size = num_path();
-    Eigen::MatrixXd M = Eigen::MatrixXd::Identity(size, size);
-    for (std::size_t i = 0; i < path_.size(); ++i) {
-        const std::size_t first = path_.first_of_run(i);
-        if (first == i) continue;
-        const Eigen::Isometry3d Q = correction(first);
-        const Eigen::Vector3d arm = correction(i) * path_.T_world_imu(i).translation() -
-                                    Q * path_.T_world_imu(first).translation();
-        M.block<3, 3>(at(i), at(i)) = Q.linear();
-        M.block<3, 3>(at(i) + 3, at(i) + 3) = Q.linear();
-        M.block<6, 6>(at(i), at(first)).setIdentity();
-        M.block<3, 3>(at(i), at(first) + 3) = -base::cross_matrix(arm);
+    Eigen::MatrixXd M = Eigen::MatrixXd::Zero(num_path(), num_path());
+    for (std::size_t k = 0; k < path_.size(); ++k) {
+        const Eigen::Matrix3d R =
+            k == 0 ? Eigen::Matrix3d::Identity().eval() : T_new_old_[k - 1].linear().eval();
+        const Eigen::Vector3d p_k = T_new_old_[k] * path_.T_world_imu(k).translation();
+        for (std::size_t i = k; i < path_.size(); ++i) {
+            const Eigen::Vector3d arm = T_new_old_[i] * path_.T_world_imu(i).translation() - p_k;
+            M.block<3, 3>(at(i), at(k)) = R;
+            M.block<3, 3>(at(i), at(k) + 3) = -base::cross_matrix(arm) * R;
+            M.block<3, 3>(at(i) + 3, at(k) + 3) = R;
+        }
     }
     return M;
 }
 
-JoinedPath Joining::result(bool converged, int num_iterations) const {
+JoinedPath Joining::result(bool converged, int num_iterations) {
+    correct_anchors();
     JoinedPath joined{.converged = converged && normal_.allFinite() && place_.allFinite(),
                       .num_iterations = num_iterations};
     joined.T_site_world.linear() = R_site_world();
     joined.T_site_world.translation() = place_ - R_site_world() * center_;
-    for (std::size_t i = 0; i < path_.size(); ++i) joined.T_new_old.push_back(correction(i));
+    joined.T_new_old = T_new_old_;
     const Eigen::Index num_normal = root_.cols();
     const Eigen::MatrixXd M = corrections_from_unknowns() * root_;
     const Eigen::MatrixXd of_drift = M.leftCols(num_normal - 1) / settings_.prior_factor;

@@ -39,7 +39,7 @@ struct JoinSettings {
 
 // A path, and where it lies, by its prior and what other instruments measured.
 struct JoinedPath {
-    bool converged = false;  // the last step moved no unknown by more than 1 % of its sigma
+    bool converged = false;  // the last step moved no unknown by more than 3 % of its sigma
     int num_iterations = 0;
     Eigen::Isometry3d T_site_world = Eigen::Isometry3d::Identity();
     // Of the place of the path's first pose in `site`: rotation vector, rad, then position, m.
@@ -65,7 +65,8 @@ struct JoinedPath {
 // Gaussian priors and of Student's t (4 degrees of freedom; Lange, Little and Taylor 1989) for the
 // measurements, by iterative reweighting from wide to stated sigmas. Unknown are the rotation and
 // the place of the world in `site`, the corrections of the anchors and the offsets of the sources.
-// Each run of the path moves as a rigid body by any angle, and bends by small ones.
+// The corrections of the motions from anchor to anchor are small, and are chained, so the path may
+// bend by any angle.
 // `T_site_world` is the start. `prior` holds the anchors of `path`.
 JoinedPath join_path(const AnchoredPath& path,
                      const types::PathPrior& prior,

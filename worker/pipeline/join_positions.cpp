@@ -284,6 +284,16 @@ Finding not_adjusted() {
             "use the preset standard or accurate"};
 }
 
+Finding not_converged() {
+    return {
+        Severity::Warning,
+        "positions_not_joined",
+        "",
+        "joining the path with positions or velocities did not converge, or they cover no place "
+        "of the path that they could correct: the result is as without them",
+        "record positions over the whole dive, and check their sigmas"};
+}
+
 Finding contradicting(double prior_factor) {
     return {Severity::Warning,
             "positions_contradict_path",
@@ -382,7 +392,10 @@ void join_positions(Reconstruction& made) {
     if (velocities) georeference.sources.push_back(velocities->agreement);
     const std::vector<Finding> left_out = findings_on(georeference.sources);
     findings.insert(findings.end(), left_out.begin(), left_out.end());
-    if (!found.joined.converged) return;
+    if (!found.joined.converged) {
+        if (left_out.size() < georeference.sources.size()) findings.push_back(not_converged());
+        return;
+    }
     const bool has_points =
         std::ranges::any_of(found.sources, [](const auto& s) { return s.num_used() > 0; });
     if (has_points) place(site_of(made.dive.outside()), found.joined, georeference);
