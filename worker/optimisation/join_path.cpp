@@ -337,9 +337,20 @@ JoinedPath Joining::result(bool converged, int num_iterations) {
                       .num_iterations = num_iterations};
     joined.T_site_world.linear() = R_site_world();
     joined.T_site_world.translation() = place_ - R_site_world() * center_;
-    joined.T_new_old = T_new_old_;
+    // The world is levelled about the first pose: its z axis is that of the site.
+    const Eigen::Matrix3d R_yaw =
+        Eigen::AngleAxisd(yaw_, Eigen::Vector3d::UnitZ()).toRotationMatrix();
+    const Eigen::Matrix3d R_level = R_yaw.transpose() * R_site_world();
+    const Eigen::Vector3d p_first = path_.T_world_imu(0).translation();
+    Eigen::Isometry3d T_level = Eigen::Isometry3d::Identity();
+    T_level.linear() = R_level;
+    T_level.translation() = p_first - R_level * p_first;
+    for (const Eigen::Isometry3d& T : T_new_old_) joined.T_new_old.push_back(T_level * T);
+    joined.T_site_world = joined.T_site_world * T_level.inverse();
     const Eigen::Index num_normal = root_.cols();
-    const Eigen::MatrixXd M = corrections_from_unknowns() * root_;
+    Eigen::MatrixXd M = corrections_from_unknowns() * root_;
+    for (Eigen::Index row = 0; row < M.rows(); row += 3)
+        M.middleRows<3>(row) = (R_level * M.middleRows<3>(row)).eval();
     const Eigen::MatrixXd of_drift = M.leftCols(num_normal - 1) / settings_.prior_factor;
     joined.prior_covariance =
         of_drift * of_drift.transpose() + M.rightCols<1>() * M.rightCols<1>().transpose();

@@ -44,9 +44,11 @@ struct JoinedPath {
     Eigen::Isometry3d T_site_world = Eigen::Isometry3d::Identity();
     // Of the place of the path's first pose in `site`: rotation vector, rad, then position, m.
     Eigen::Matrix<double, 6, 6> site_covariance = Eigen::Matrix<double, 6, 6>::Zero();
-    std::vector<Eigen::Isometry3d> T_new_old;  // of each anchor, in the world; the first: identity
-    Eigen::MatrixXd prior_covariance;          // of the anchors, as PathPrior
-    Eigen::MatrixXd covariance;                // the same, joined
+    // Of each anchor, to the world with its z axis along that of the site; the first anchor stays
+    // where it is.
+    std::vector<Eigen::Isometry3d> T_new_old;
+    Eigen::MatrixXd prior_covariance;  // of the anchors, as PathPrior
+    Eigen::MatrixXd covariance;        // the same, joined
     // By the factor that all lengths of the path have to be multiplied by, minus 1.
     double scale_error = 0.0;
     double scale_error_sigma = 0.0;

@@ -35,10 +35,19 @@ constexpr std::int64_t kMinControlPoints = 3;
 constexpr const char* kRemedy =
     "check the coordinate system, the clock and the place of the instrument (T_BS) of that source";
 
+// Returns how well the vertical is known at the first pose. The world was levelled by all of its
+// poses, so the error of their rotations relative to the first is part of it.
 double tilt_sigma(const Reconstruction& made) {
+    double variance = kTiltSigma_rad * kTiltSigma_rad;
+    const types::PathPrior& prior = made.optimised.prior;
+    const auto num_anchors = static_cast<double>(prior.timestamps_ns.size());
+    for (Eigen::Index row = 3; row < prior.drift.rows(); row += 6)
+        for (Eigen::Index axis = row; axis < row + 2; ++axis)
+            variance += 0.5 * (prior.drift(axis, axis) + prior.shared.row(axis).squaredNorm()) /
+                        num_anchors;
     imu::InertialPrior inertial(made.recording, made.options(), made.track.left_out);
     inertial.set_pressure_error(made.track.pressure_error_m);
-    return vertical_is_known(inertial, made.optimised) ? kTiltSigma_rad : kUnknownTilt_rad;
+    return vertical_is_known(inertial, made.optimised) ? std::sqrt(variance) : kUnknownTilt_rad;
 }
 
 // Returns the sources as functions of the time by which their clocks are shifted.
@@ -206,7 +215,8 @@ void Mover::move_poses() {
 
 void Mover::replace_covariances() {
     if (optimised_.covariances.empty() || optimised_.prior.empty()) return;
-    const Eigen::Matrix3d R = to_join_.path.T_world_imu(0).linear();
+    const Eigen::Matrix3d R =
+        joined_.T_new_old.front().linear() * to_join_.path.T_world_imu(0).linear();
     const auto before = track_of(to_join_.path, joined_.prior_covariance, R);
     const auto after = track_of(to_join_.path, joined_.covariance, R);
     for (types::PoseCovariance& pose : optimised_.covariances) {
