@@ -27,6 +27,8 @@ constexpr double kSettled = 1.1;        // by which a factor still changes
 constexpr double kMinDetermined = 2.0;  // directions of the path that judge its sigmas
 // A wrong cause explains so much of the residuals that less than this part of them is left.
 constexpr double kExplained = 0.6;
+constexpr double kMinLogRatio = 10.0;     // of the likelihoods with and without a cause
+constexpr double kMinShiftedShare = 0.7;  // of the points that a shifted clock leaves on the path
 constexpr double kMaxClock_s = 120.0;
 constexpr double kMinClock_s = 2.0;
 constexpr double kClockStep_s = 1.0;
@@ -54,7 +56,9 @@ double best_clock_s(const PointsAt& points_at, std::size_t source) {
     double best = as_stated;
     for (double later_s = -kMaxClock_s; later_s <= kMaxClock_s; later_s += kClockStep_s) {
         const std::vector<OutsidePoint> shifted = at(later_s);
-        if (shifted.size() < points.size() / 2) continue;
+        if (static_cast<double>(shifted.size()) <
+            kMinShiftedShare * static_cast<double>(points.size()))
+            continue;
         const double median = best_median(shifted);
         if (median >= best) continue;
         best = median;
@@ -63,24 +67,23 @@ double best_clock_s(const PointsAt& points_at, std::size_t source) {
     return best < kExplained * as_stated && std::abs(best_s) >= kMinClock_s ? best_s : 0.0;
 }
 
-// Returns the median residual, in stated sigmas, of a path that is joined with points of one source
-// alone.
-using JoinedMedian = std::function<double(const std::vector<OutsidePoint>&)>;
+// Returns the negative log posterior of a path that is joined with points of one source alone, its
+// residuals counted as if there were `num` points.
+using JoinedCost = std::function<double(const std::vector<OutsidePoint>& points, std::size_t num)>;
 
 // Returns the likely cause if positions do not fit the path; "" if none is found. A cause is one
-// only if the path joined with what it explains fits clearly better: a path that drifts fits any
+// only if the path joined with what it explains is far more likely: a path that drifts fits any
 // positions badly as long as it is rigid.
-std::string cause_of(const PointsAt& points_at,
-                     std::size_t source,
-                     const JoinedMedian& joined_median) {
+std::string cause_of(const PointsAt& points_at, std::size_t source, const JoinedCost& joined_cost) {
     std::vector<OutsidePoint> points = points_at(0.0)[source].points;
     if (points.size() < kMinForSpread) return "";
-    const double limit = kExplained * joined_median(points);
+    const double limit = joined_cost(points, points.size()) - kMinLogRatio;
     for (OutsidePoint& point : points) point.p_site.x() = -point.p_site.x();
-    if (joined_median(points) < limit)
+    if (joined_cost(points, points.size()) < limit)
         return "they fit a mirrored path: two coordinates are exchanged or one has the wrong sign";
     const double later_s = best_clock_s(points_at, source);
-    if (later_s == 0.0 || joined_median(points_at(later_s)[source].points) >= limit) return "";
+    if (later_s == 0.0 || joined_cost(points_at(later_s)[source].points, points.size()) >= limit)
+        return "";
     return "they fit if their clock is " + base::fixed(std::abs(later_s), 0) + " s " +
            (later_s > 0.0 ? "behind" : "ahead of") + " that of the cameras";
 }
@@ -144,7 +147,7 @@ void judge(const std::vector<Eigen::Vector3d>& residuals_m, Judged& source) {
 // Returns why a source must be left out; "" if it may be used.
 std::string reason_against(const PointsAt& points_at,
                            std::size_t index,
-                           const JoinedMedian& joined_median,
+                           const JoinedCost& joined_cost,
                            Judged& source) {
     const types::SourceAgreement& agreement = source.given.agreement;
     const auto num = static_cast<double>(source.given.points.size());
@@ -153,7 +156,7 @@ std::string reason_against(const PointsAt& points_at,
     if (agreement.sigma_factor < kDoubtful && fits) return "";
     if (!source.was_diagnosed && agreement.kind != "control_points") {
         source.was_diagnosed = true;
-        if (const std::string cause = cause_of(points_at, index, joined_median); !cause.empty())
+        if (const std::string cause = cause_of(points_at, index, joined_cost); !cause.empty())
             return cause;
     }
     if (fits) return "";
@@ -218,17 +221,19 @@ JoinedSources join_sources(const PathToJoin& to_join,
         if (!sources.back().used)
             sources.back().given.agreement.left_out = "none of them belongs to a place of the path";
     }
-    const auto joined_median = [&](const std::vector<OutsidePoint>& points) {
+    const auto joined_cost = [&](const std::vector<OutsidePoint>& points, std::size_t num) {
         std::vector<OutsidePoint> alone = points;
         for (OutsidePoint& point : alone) point.source = 0;
         optimisation::JoinSettings of_one = settings;
         of_one.offset_sigmas_m = {0.0};
         const auto joined = optimisation::join_path(
             to_join.path, to_join.prior, alone, {}, optimisation::align_heading(alone), of_one);
-        std::vector<double> sigmas;
+        double cost = 0.0;  // of Student's t in the plane, four degrees of freedom
         for (std::size_t i = 0; i < alone.size(); ++i)
-            sigmas.push_back(joined.residuals_m[i].head<2>().norm() / alone[i].sigma_h_m);
-        return stats::upper_median(std::move(sigmas));
+            cost += 3.0 * std::log1p(joined.residuals_m[i].head<2>().squaredNorm() /
+                                     (4.0 * alone[i].sigma_h_m * alone[i].sigma_h_m));
+        return cost * static_cast<double>(num) / static_cast<double>(alone.size()) +
+               0.5 * joined.moved_squares;
     };
     JoinedSources result;
     bool is_final = false;
@@ -246,7 +251,7 @@ JoinedSources join_sources(const PathToJoin& to_join,
             const auto end = residual + std::ssize(source.given.points);
             judge({residual, end}, source);
             residual = end;
-            source.given.agreement.left_out = reason_against(points_at, s, joined_median, source);
+            source.given.agreement.left_out = reason_against(points_at, s, joined_cost, source);
             source.used = source.given.agreement.left_out.empty();
             if (!source.used) is_final = false;  // the others, without it
         }
