@@ -21,6 +21,7 @@ struct Words {
     std::string port;
     simulator::SimulatedPorts ports;
     bool undescribed_port = false;
+    std::string positions;
 };
 
 void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& words) {
@@ -68,6 +69,9 @@ void add_options(CLI::App& command, simulator::SimulateOptions& options, Words& 
     command.add_option("--port-thickness-m", words.ports.thickness_m, "thickness of the glass")->capture_default_str();
     command.add_flag("--undescribed-port", words.undescribed_port, "do not state the port in sensor.yaml");
     command.add_option("--salinity-psu", options.salinity_psu, "salinity of the water; 0: a lake")->capture_default_str();
+    command.add_option("--positions", words.positions, "positions by another instrument, with outliers: usbl, gps-float or surface-fix");
+    command.add_flag("--dvl", options.dvl, "velocities over ground by a DVL");
+    command.add_flag("--control-points", options.control_points, "known positions of the --markers, to 2 cm");
     command.add_option("--threads", options.num_threads, "0: all cores; the result does not depend on it")->capture_default_str();
     // clang-format on
 }
@@ -84,6 +88,8 @@ int run(simulator::SimulateOptions options, const Words& words) {
         options.ports->shape = simulator::port_shape_from_string(words.port);
         options.ports->described = !words.undescribed_port;
     }
+    if (!words.positions.empty())
+        options.positions = simulator::position_kind_from_string(words.positions);
     catch_interrupts();
     ProgressBar bar;
     simulator::simulate(options, [&](const Progress& progress) {

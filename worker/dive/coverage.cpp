@@ -66,12 +66,16 @@ void report_unit(const TimeUnit& unit,
         "Write timestamps in nanoseconds: these, times " + std::to_string(unit.in_ns) + ".");
 }
 
+// Whether a table has to cover all of the images.
+enum class Extent { All, Any };
+
 // Checks one table, and empties it if it is of another time than the images.
 template <typename Samples>
 void check_sensor(const DiveContents& contents,
                   Samples& samples,
                   const std::string& sensor,
                   const std::string& file,
+                  Extent extent,
                   FindingLog& findings) {
     if (samples.empty() || contents.frames.pairs.empty()) return;
     const TimeSpan images{contents.frames.pairs.front().timestamp_ns,
@@ -98,7 +102,7 @@ void check_sensor(const DiveContents& contents,
         return;
     }
     const double dive_s = images.duration_s();
-    if (covered_s < 0.98 * dive_s)
+    if (extent == Extent::All && covered_s < 0.98 * dive_s)
         findings.warning(sensor + "_partial",
                          file,
                          file + " covers " + base::fixed(covered_s, 2) + " s of " +
@@ -109,14 +113,20 @@ void check_sensor(const DiveContents& contents,
 }  // namespace
 
 void check_coverage(DiveContents& contents, FindingLog& findings) {
-    const auto check = [&](auto& samples, const std::string& sensor, const char* folder) {
-        check_sensor(
-            contents, samples, sensor, std::string("mav0/") + folder + "/data.csv", findings);
+    const auto check = [&](auto& samples,
+                           const std::string& sensor,
+                           const std::string& folder,
+                           Extent extent = Extent::All) {
+        check_sensor(contents, samples, sensor, "mav0/" + folder + "/data.csv", extent, findings);
     };
     check(contents.imu, "imu", "imu0");
     check(contents.ahrs, "ahrs", "ahrs0");
     check(contents.pressure, "pressure", "pressure0");
     check(contents.ground_truth, "ground_truth", "state_groundtruth_estimate0");
+    for (types::PositionSource& source : contents.outside.sources)
+        check(source.samples, "position", source.name, Extent::Any);
+    check(contents.outside.velocities, "velocity", "velocity0", Extent::Any);
+    std::erase_if(contents.outside.sources, [](const auto& s) { return s.samples.empty(); });
     std::vector<std::int64_t> frames_ns;
     for (const FramePair& pair : contents.frames.pairs) frames_ns.push_back(pair.timestamp_ns);
     report_pauses(frames_ns, contents.imu, findings);

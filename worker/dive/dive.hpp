@@ -14,6 +14,7 @@
 #include "worker/dive/marker_plan.hpp"
 #include "worker/types/geographic_position.hpp"
 #include "worker/types/mesh.hpp"
+#include "worker/types/outside_positions.hpp"
 #include "worker/types/recording.hpp"
 
 namespace divemesh::dive {
@@ -82,6 +83,8 @@ public:
 
     // Returns T_world_imu of the ground truth's own world; empty without ground truth.
     virtual const types::Trajectory& ground_truth() const = 0;
+    // Returns positions and velocities that other instruments measured.
+    virtual const types::OutsidePositions& outside() const = 0;
     virtual const std::vector<KnownDistance>& known_distances() const = 0;
     // Returns the contents of markers.json; nullopt if the file is missing.
     virtual const std::optional<MarkerPlan>& markers() const = 0;

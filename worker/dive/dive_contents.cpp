@@ -11,6 +11,7 @@
 #include "worker/dive/dive_json.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/image_names.hpp"
+#include "worker/dive/position_tables.hpp"
 #include "worker/dive/sensor_tables.hpp"
 #include "worker/dive/sensor_yaml.hpp"
 #include "worker/dive/stamp_check.hpp"
@@ -21,10 +22,18 @@ namespace {
 
 constexpr std::int64_t kMaxJsonBytes = std::int64_t{16} << 20;
 constexpr std::int64_t kMaxMarkersBytes = std::int64_t{4} << 20;
+constexpr std::int64_t kMaxPositionBytes = std::int64_t{64} << 20;
+constexpr const char* kVelocities = "velocity0";
 constexpr const char* kSensors[] = {
-    "cam0", "cam1", "imu0", "ahrs0", "pressure0", "state_groundtruth_estimate0"};
+    "cam0", "cam1", "imu0", "ahrs0", "pressure0", kVelocities, "state_groundtruth_estimate0"};
 
 std::string table_of(const std::string& sensor) { return "mav0/" + sensor + "/data.csv"; }
+
+// Returns true for position0 to position9.
+bool is_position_source(const std::string& sensor) {
+    return sensor.size() == 9 && sensor.starts_with("position") && sensor.back() >= '0' &&
+           sensor.back() <= '9';
+}
 
 std::size_t count_errors(const FindingLog& findings) {
     return static_cast<std::size_t>(
@@ -44,6 +53,7 @@ public:
         read_motion_sensors();
         read_cameras();
         read_other_sensors();
+        read_outside_positions();
         read_rig();
         return std::move(contents_);
     }
@@ -54,6 +64,7 @@ private:
     void read_motion_sensors();
     void read_cameras();
     void read_other_sensors();
+    void read_outside_positions();
     void read_rig();
     void move_into_water();
     void to_imu_frame(const Eigen::Isometry3d& T_body_imu);
@@ -102,7 +113,8 @@ void ContentsReader::read_json() {
 
 void ContentsReader::report_unknown_sensors() {
     for (const std::string& sensor : files_.sensors()) {
-        if (std::find(std::begin(kSensors), std::end(kSensors), sensor) != std::end(kSensors))
+        if (is_position_source(sensor) ||
+            std::find(std::begin(kSensors), std::end(kSensors), sensor) != std::end(kSensors))
             continue;
         const std::string what = sensor.starts_with("cam") ? "camera" : "sensor";
         findings_.info(what + "_left_out",
@@ -138,6 +150,26 @@ void ContentsReader::read_other_sensors() {
     const std::string truth = "state_groundtruth_estimate0";
     if (const auto csv = read_table(truth))
         contents_.ground_truth = parse_ground_truth(*csv, table_of(truth), findings_, &clock_);
+}
+
+void ContentsReader::read_outside_positions() {
+    types::OutsidePositions& outside = contents_.outside;
+    for (const std::string& sensor : files_.sensors()) {
+        if (!is_position_source(sensor)) continue;
+        const auto csv = read_text(table_of(sensor), kMaxPositionBytes);
+        if (!csv) continue;
+        const std::string file = "mav0/" + sensor + "/sensor.yaml";
+        auto source =
+            describe_source(sensor, read_yaml(file).value_or(SensorYaml()), file, findings_);
+        if (!source) continue;
+        source->samples = parse_positions(*csv, source->epsg, table_of(sensor), findings_, &clock_);
+        if (!source->samples.empty()) outside.sources.push_back(std::move(*source));
+    }
+    if (const auto csv = read_text(table_of(kVelocities), kMaxPositionBytes))
+        outside.velocities = parse_velocities(*csv, table_of(kVelocities), findings_, &clock_);
+    if (const auto text = read_text("control_points.json", kMaxMarkersBytes))
+        parse_control_points(*text, outside, findings_);
+    to_common_system(outside, findings_);
 }
 
 std::vector<CameraRow> ContentsReader::read_camera_rows(const std::string& camera) {
@@ -264,6 +296,11 @@ void ContentsReader::to_imu_frame(const Eigen::Isometry3d& T_body_imu) {
         for (types::OrientationSample& sample : contents_.ahrs)
             sample.q_world_imu = (sample.q_world_imu * q_ahrs_imu).normalized();
     }
+    const Eigen::Isometry3d T_imu_body = T_body_imu.inverse();
+    for (types::PositionSource& source : contents_.outside.sources)
+        source.p_imu_instrument = T_imu_body * mounting(source.name).translation();
+    if (!contents_.outside.velocities.empty())
+        contents_.outside.T_imu_dvl = T_imu_body * mounting(kVelocities);
     if (contents_.ground_truth.empty()) return;
     const Eigen::Isometry3d T_truth_imu =
         mounting("state_groundtruth_estimate0").inverse() * T_body_imu;

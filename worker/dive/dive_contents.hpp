@@ -22,6 +22,7 @@ struct DiveContents {
     std::vector<types::OrientationSample> ahrs;
     std::vector<types::PressureSample> pressure;
     types::Trajectory ground_truth;
+    types::OutsidePositions outside;
     std::vector<KnownDistance> known_distances;
     std::optional<MarkerPlan> markers;
 };

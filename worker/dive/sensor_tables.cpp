@@ -1,17 +1,16 @@
 #include "worker/dive/sensor_tables.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
 #include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 #include "worker/dive/ahrs_jumps.hpp"
-#include "worker/dive/csv.hpp"
 #include "worker/dive/imu_clipped.hpp"
 #include "worker/dive/imu_frozen.hpp"
 #include "worker/dive/imu_zeros.hpp"
+#include "worker/dive/read_samples.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/quantile.hpp"
@@ -19,82 +18,12 @@
 namespace divemesh::dive {
 namespace {
 
-constexpr double kMinPeriod_s = 2e-5;  // 50 kHz; milli- and microseconds give far shorter periods
 constexpr double kAboveSurface_m = -1.0;  // waves and a zero that drifts stay below this
 constexpr double kMaxDepth_m = 11000.0;
 constexpr double kMinPressure_mbar = 900.0;  // of the air 1000 m above the sea
 constexpr double kMaxChange_m_s = 2.0;       // of a vehicle's depth
 constexpr double kMaxGravityError = 0.6;     // m/s^2, of a median of accelerations
 constexpr double kMaxDiverRate_rad_s = 3.0;  // a median above it is no diver's
-constexpr double kMaxReading = 1e9;  // above every sensor's range in any unit; squares stay finite
-
-// Values of an IMU's row. Where gyroscope and accelerometer are read at separate times, the fields
-// of the other are empty, or zero: fill_zero_readings() handles both.
-constexpr std::size_t kImuValues = 6;
-
-bool is_same(const types::ImuSample& a, const types::ImuSample& b) {
-    return a.angular_velocity_imu == b.angular_velocity_imu &&
-           a.acceleration_imu == b.acceleration_imu;
-}
-
-bool is_same(const types::OrientationSample& a, const types::OrientationSample& b) {
-    return a.q_world_imu.coeffs() == b.q_world_imu.coeffs();
-}
-
-bool is_same(const types::PressureSample& a, const types::PressureSample& b) {
-    return a.depth_m == b.depth_m;
-}
-
-bool is_same(const types::StampedPose& a, const types::StampedPose& b) {
-    return a.T_world_imu.matrix() == b.T_world_imu.matrix();
-}
-
-// Returns the number in a field; 0 for an empty one if `empty_is_zero`.
-std::optional<double> value_at(std::span<const std::string_view> fields,
-                               std::size_t index,
-                               bool empty_is_zero) {
-    if (index >= fields.size()) return std::nullopt;
-    if (empty_is_zero && fields[index].empty()) return 0.0;
-    return parse_double(fields[index]);
-}
-
-// Reads rows of a timestamp and N numbers, in the order of time. `use` turns them into a sample, or
-// returns nullopt if the row is malformed.
-template <std::size_t N, typename Sample, typename Use>
-std::vector<Sample> read_samples(std::string_view text,
-                                 StampCheck& check,
-                                 CommonClock* clock,
-                                 const Use& use) {
-    std::vector<Sample> samples;
-    std::vector<std::int64_t> lines;
-    for_each_csv_row(text, [&](std::int64_t line, std::span<const std::string_view> fields) {
-        const auto timestamp = check.accept(line, fields[0]);
-        if (!timestamp) return;
-        std::array<double, N> values{};
-        for (std::size_t i = 0; i < N; ++i) {
-            const auto value = value_at(fields, i + 1, N == kImuValues);
-            if (!value) return check.count_malformed(line);
-            values[i] = *value;
-        }
-        if (!std::all_of(values.begin(), values.end(), [](double value) {
-                return std::abs(value) <= kMaxReading;  // false for NaN
-            }))
-            return check.count_not_finite(line);
-        const std::optional<Sample> sample = use(*timestamp, values);
-        if (!sample) return check.count_malformed(line);
-        samples.push_back(*sample);
-        lines.push_back(line);
-    });
-    const TableClock found = check.sort(
-        samples,
-        lines,
-        [](const Sample& a, const Sample& b) { return is_same(a, b); },
-        clock ? clock->known() : TableClock{});
-    if (clock) clock->add(check.file(), found);
-    check.advise(advise_on_table(text, N));
-    check.report(timestamps_of(samples), kMinPeriod_s);
-    return samples;
-}
 
 template <typename Get>
 double median_of(const std::vector<types::ImuSample>& samples, const Get& get) {
@@ -246,11 +175,21 @@ std::vector<types::ImuSample> parse_imu(std::string_view text,
                                         FindingLog& findings,
                                         CommonClock* clock) {
     StampCheck check("imu", file, findings);
-    auto samples = read_samples<kImuValues, types::ImuSample>(
-        text, check, clock, [](std::int64_t timestamp_ns, const auto& v) {
+    // Where gyroscope and accelerometer are read at separate times, the fields of the other are
+    // empty, or zero: fill_zero_readings() handles both.
+    auto samples = read_samples<6, types::ImuSample>(
+        text,
+        check,
+        clock,
+        [](std::int64_t timestamp_ns, const auto& v) {
             return std::optional<types::ImuSample>(
                 {timestamp_ns, {v[0], v[1], v[2]}, {v[3], v[4], v[5]}});
-        });
+        },
+        [](const types::ImuSample& a, const types::ImuSample& b) {
+            return a.angular_velocity_imu == b.angular_velocity_imu &&
+                   a.acceleration_imu == b.acceleration_imu;
+        },
+        EmptyFields::Zero);
     fill_zero_readings(samples, file, findings);
     leave_out_frozen_readings(samples, file, findings);
     leave_out_clipped_readings(samples, file, findings);
@@ -271,6 +210,9 @@ std::vector<types::OrientationSample> parse_ahrs(std::string_view text,
             const auto q = unit_quaternion(v[0], v[1], v[2], v[3]);
             if (!q) return std::nullopt;
             return types::OrientationSample{timestamp_ns, *q};
+        },
+        [](const types::OrientationSample& a, const types::OrientationSample& b) {
+            return a.q_world_imu.coeffs() == b.q_world_imu.coeffs();
         });
     take_off_ahrs_jumps(samples, file, findings);
     return samples;
@@ -282,8 +224,14 @@ std::vector<types::PressureSample> parse_pressure(std::string_view text,
                                                   CommonClock* clock) {
     StampCheck check("pressure", file, findings);
     auto samples = read_samples<1, types::PressureSample>(
-        text, check, clock, [](std::int64_t timestamp_ns, const auto& v) {
+        text,
+        check,
+        clock,
+        [](std::int64_t timestamp_ns, const auto& v) {
             return std::optional<types::PressureSample>({timestamp_ns, v[0]});
+        },
+        [](const types::PressureSample& a, const types::PressureSample& b) {
+            return a.depth_m == b.depth_m;
         });
     check_depths(samples, file, findings);
     return samples;
@@ -305,6 +253,9 @@ types::Trajectory parse_ground_truth(std::string_view text,
             pose.timestamp_ns = timestamp_ns;
             pose.T_world_imu = Eigen::Translation3d(v[0], v[1], v[2]) * *q;
             return pose;
+        },
+        [](const types::StampedPose& a, const types::StampedPose& b) {
+            return a.T_world_imu.matrix() == b.T_world_imu.matrix();
         });
 }
 

@@ -26,6 +26,9 @@ SensorYaml convert(const YAML::Node& root) {
     yaml.gyroscope_random_walk = number_at(root, "gyroscope_random_walk");
     yaml.accelerometer_noise_density = number_at(root, "accelerometer_noise_density");
     yaml.accelerometer_random_walk = number_at(root, "accelerometer_random_walk");
+    yaml.position_kind = text_at(root, "kind");
+    yaml.epsg = number_at(root, "epsg");
+    yaml.offset_sigma_m = number_at(root, "offset_sigma_m");
     return yaml;
 }
 

@@ -27,6 +27,9 @@ struct SensorYaml {
     std::optional<double> gyroscope_random_walk;
     std::optional<double> accelerometer_noise_density;
     std::optional<double> accelerometer_random_walk;
+    std::string position_kind;             // `kind`: gps_float, usbl or surface_fix
+    std::optional<double> epsg;            // of positions
+    std::optional<double> offset_sigma_m;  // of an offset that all positions share
 };
 
 // Parses a sensor.yaml. Returns nullopt, with an error `calibration_unreadable` that gives the

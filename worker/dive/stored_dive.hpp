@@ -42,6 +42,7 @@ public:
     const std::string& content_sha256() const override;
     double duration_s() const override;
     const types::Trajectory& ground_truth() const override { return contents_.ground_truth; }
+    const types::OutsidePositions& outside() const override { return contents_.outside; }
     const std::vector<KnownDistance>& known_distances() const override {
         return contents_.known_distances;
     }

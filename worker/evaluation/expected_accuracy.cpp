@@ -90,7 +90,8 @@ void add_residuals_of(const ExpectedAccuracyInput& input, ExpectedAccuracy& expe
     if (input.track.imu_vision_disagreement_deg > 0.0)  // 0: no IMU was used
         expected.imu_vision_disagreement_deg = input.track.imu_vision_disagreement_deg;
     else
-        expected.left_out.push_back({"imu_vision_disagreement_deg", "the dive has no IMU, or none is used"});
+        expected.left_out.push_back(
+            {"imu_vision_disagreement_deg", "the dive has no IMU, or none is used"});
     if (input.optimise.reprojection_rms_px > 0.0)
         expected.reprojection_rms_px = input.optimise.reprojection_rms_px;
     else

@@ -104,6 +104,7 @@ ScaleSources scale_sources(const LengthData& lengths,
                            const types::LoopStatistics& loops) {
     Collector collector;
     if (lengths.markers) collector.add("markers", lengths.markers, 0.0, "");
+    if (lengths.positions) collector.add("positions", lengths.positions, 0.0, "");
     if (lengths.num_segments > 1) {
         for (const char* name : {"accelerometer", "pressure"})
             collector.leave_out(name, "the dive has several segments");

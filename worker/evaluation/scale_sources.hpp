@@ -30,7 +30,8 @@ struct ScaleSource {
 struct LengthData {
     std::vector<types::ImuSample> imu;  // on the cameras' clock
     std::vector<types::PressureSample> pressure;
-    std::optional<ScaleCheck> markers;  // known distances between them
+    std::optional<ScaleCheck> markers;    // known distances between them
+    std::optional<ScaleCheck> positions;  // by instruments outside of the rig
     // Lengths of measurements.json between places that are marked in the images; their sigmas leave
     // out the error of the path's scale.
     KnownDistanceErrors marked_distances;

@@ -52,10 +52,15 @@ Projection utm_projection(PJ_CONTEXT* context, int epsg) {
 }  // namespace
 
 UtmFrame utm_frame(const types::GeographicPosition& position) {
+    return utm_frame(position,
+                     (position.latitude_deg < 0.0 ? kSouthernUtm : kNorthernUtm) +
+                         zone_of(position.longitude_deg));
+}
+
+UtmFrame utm_frame(const types::GeographicPosition& position, int utm_epsg) {
     check_position(position);
     UtmFrame frame;
-    frame.epsg = (position.latitude_deg < 0.0 ? kSouthernUtm : kNorthernUtm) +
-                 zone_of(position.longitude_deg);
+    frame.epsg = utm_epsg;
     const std::unique_ptr<PJ_CONTEXT, Destroy> context(proj_context_create());
     const Projection utm = utm_projection(context.get(), frame.epsg);
     const PJ_COORD place = proj_coord(
@@ -69,6 +74,19 @@ UtmFrame utm_frame(const types::GeographicPosition& position) {
     const double cos = scale * std::cos(x_bearing);
     frame.A << sin, -cos, origin.enu.e, cos, sin, origin.enu.n;
     return frame;
+}
+
+types::GeographicPosition geographic_position(const Eigen::Vector2d& utm_m, int utm_epsg) {
+    const std::unique_ptr<PJ_CONTEXT, Destroy> context(proj_context_create());
+    const Projection utm = utm_projection(context.get(), utm_epsg);
+    const PJ_COORD place = proj_trans(utm.get(), PJ_INV, proj_coord(utm_m.x(), utm_m.y(), 0, 0));
+    const types::GeographicPosition position{
+        place.lp.phi * base::kDegPerRad, place.lp.lam * base::kDegPerRad, std::nullopt};
+    if (!position.is_valid())
+        throw Error(ErrorCode::BadData,
+                    "the place " + std::to_string(utm_m.x()) + ", " + std::to_string(utm_m.y()) +
+                        " of EPSG:" + std::to_string(utm_epsg) + " is outside of UTM");
+    return position;
 }
 
 Eigen::Isometry3d earth_from_world(const types::GeographicPosition& position) {

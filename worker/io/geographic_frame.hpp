@@ -20,6 +20,13 @@ struct UtmFrame {
 // point north. Throws Error{InvalidArgument} for an invalid position.
 UtmFrame utm_frame(const types::GeographicPosition& position);
 
+// Returns the same in a given zone, which may be that of a neighbour.
+UtmFrame utm_frame(const types::GeographicPosition& position, int utm_epsg);
+
+// Returns where a place (easting, northing) [m] of a UTM zone is. Throws Error{BadData} if it has
+// no latitude and longitude.
+types::GeographicPosition geographic_position(const Eigen::Vector2d& utm_m, int utm_epsg);
+
 // Returns the pose of the world in earth-centred, earth-fixed coordinates (EPSG:4978), with its
 // origin at height 0 of the ellipsoid. If the azimuth is unknown, the world's y axis is assumed to
 // point north. Throws Error{InvalidArgument} for an invalid position.

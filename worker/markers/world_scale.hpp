@@ -19,6 +19,8 @@ public:
     WorldScale(double factor, const Eigen::Isometry3d& T_imu_cam)
         : factor_(factor), T_imu_cam_(T_imu_cam) {}
 
+    double factor() const { return factor_; }
+
     types::Trajectory applied(const types::Trajectory& trajectory) const;
     // Returns poses beside the trajectory, scaled with it.
     types::Trajectory applied(const types::Trajectory& beside,

@@ -404,9 +404,47 @@ const std::vector<Eigen::Vector3d>& BundleAdjustment::last_moves_m() const {
     return implementation_->last_moves_m;
 }
 
+namespace {
+
+// Collects the joint covariance of poses, state by state.
+struct PoseCovariances {
+    PoseCovariances(std::ptrdiff_t num_states, Eigen::Index num_unknowns, Eigen::Index num_errors)
+        : influences(num_unknowns, 6 * num_states),
+          covariance(6 * num_states, 6 * num_states),
+          by_calibration(6 * num_states, num_errors) {}
+
+    // Adds a state: the influence of its position and rotation vector on the unknowns, the same
+    // times the variance of the scores, and what the errors of the calibration move both by.
+    void add(const Eigen::MatrixXd& position,
+             const Eigen::MatrixXd& rotation,
+             const Eigen::MatrixXd& varied_position,
+             const Eigen::MatrixXd& varied_rotation,
+             const Eigen::MatrixXd& moved,
+             const Eigen::MatrixXd& turned) {
+        const Eigen::Index at = 6 * num_added++;
+        influences.middleCols<3>(at) = position.cast<float>();
+        influences.middleCols<3>(at + 3) = rotation.cast<float>();
+        Eigen::MatrixXd varied(position.rows(), 6);
+        varied << varied_position, varied_rotation;
+        covariance.block(at, 0, 6, at + 6) =
+            varied.transpose() * influences.leftCols(at + 6).cast<double>();
+        covariance.block(0, at, at + 6, 6) = covariance.block(at, 0, 6, at + 6).transpose();
+        by_calibration.middleRows<3>(at) = moved;
+        by_calibration.middleRows<3>(at + 3) = turned;
+    }
+
+    Eigen::MatrixXf influences;
+    Eigen::MatrixXd covariance;
+    Eigen::MatrixXd by_calibration;
+    Eigen::Index num_added = 0;
+};
+
+}  // namespace
+
 JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& states,
                                               const CalibrationUncertainty& calibration,
-                                              const std::vector<BodyRates>& rates) {
+                                              const std::vector<BodyRates>& rates,
+                                              JointOf joint_of) {
     auto& own = *implementation_;
     std::vector<double*> kept;
     for (const Block& block : own.graph.blocks()) kept.push_back(block.values);
@@ -442,6 +480,9 @@ JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& sta
     result.positions_m2.setZero(3 * std::ssize(states), 3 * std::ssize(states));
     Eigen::MatrixXf of_positions(information.H_lower.rows(), 3 * std::ssize(states));
     result.by_calibration_m.resize(3 * std::ssize(states), by_calibration.cols());
+    PoseCovariances of_poses(joint_of == JointOf::Poses ? std::ssize(states) : 0,
+                             information.H_lower.rows(),
+                             by_calibration.cols());
     for (Eigen::Index i = 0; i < std::ssize(states); ++i) {
         BodyState& state = *states[static_cast<std::size_t>(i)];
         const Eigen::MatrixXd position = influence(state.p_world_imu.data());
@@ -455,11 +496,17 @@ JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& sta
         result.positions_m2.block(0, 3 * i, 3 * i + 3, 3) = with_those_before.transpose();
         const Eigen::MatrixXd rotation = influence(own.q(state));
         const Eigen::MatrixXd turned = shared(own.q(state));
+        const Eigen::MatrixXd varied_rotation = V * rotation;
         // Ceres' tangent of a quaternion is half the rotation vector.
         result.states.push_back(
             {position.transpose() * varied + moved * moved.transpose(),
-             4.0 * (rotation.transpose() * (V * rotation) + turned * turned.transpose())});
+             4.0 * (rotation.transpose() * varied_rotation + turned * turned.transpose())});
+        if (joint_of == JointOf::Poses)
+            of_poses.add(
+                position, 2.0 * rotation, varied, 2.0 * varied_rotation, moved, 2.0 * turned);
     }
+    result.poses = std::move(of_poses.covariance);
+    result.poses_by_calibration = std::move(of_poses.by_calibration);
     return result;
 }
 

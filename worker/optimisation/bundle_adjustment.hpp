@@ -39,6 +39,10 @@ struct JointCovariance {
     // and what each independent error of the calibration adds, one standard deviation per column.
     Eigen::MatrixXd positions_m2;
     Eigen::MatrixXd by_calibration_m;
+    // The same for whole poses, six rows per state: position, m, then rotation vector, rad, both in
+    // the axes of the world. Empty unless asked for.
+    Eigen::MatrixXd poses;
+    Eigen::MatrixXd poses_by_calibration;
 };
 
 // How uncertain the calibration is. It is not estimated with the states, but its errors are
@@ -58,6 +62,9 @@ struct BodyRates {
     Eigen::Vector3d angular_velocity_world = Eigen::Vector3d::Zero();  // rad/s
     Eigen::Vector3d acceleration_world = Eigen::Vector3d::Zero();      // m/s^2
 };
+
+// Whether a joint covariance is wanted of positions alone or of whole poses too.
+enum class JointOf { Positions, Poses };
 
 // Bundle adjustment: estimates body states and landmarks from what the cameras and the inertial
 // sensors measured. The caller owns states and landmarks and must not move them in memory; solvers
@@ -138,7 +145,8 @@ public:
     // determined.
     JointCovariance covariances(const std::vector<BodyState*>& states,
                                 const CalibrationUncertainty& calibration = {},
-                                const std::vector<BodyRates>& rates = {});
+                                const std::vector<BodyRates>& rates = {},
+                                JointOf joint_of = JointOf::Positions);
 
 private:
     struct Implementation;

@@ -152,6 +152,69 @@ Uncertainty relative_to_first(BundleAdjustment& bundle_adjustment,
     return result;
 }
 
+// Returns evenly spread keyframes, and those on both sides of every motion that was not measured:
+// between two of them a correction of the path is smooth.
+std::vector<std::size_t> anchors_of(const types::Track& track) {
+    const std::vector<types::Keyframe>& keyframes = track.keyframes;
+    const std::size_t stride = 1 + (keyframes.size() - 1) / kMaxCovariances;
+    std::vector<std::size_t> anchors;
+    std::size_t num_at_breaks = 0;
+    const auto add = [&](std::size_t k) {
+        if (anchors.empty() || anchors.back() < k) anchors.push_back(k);
+    };
+    for (std::size_t k = 0; k < keyframes.size(); ++k) {
+        const bool is_after_break =
+            k > 0 && (keyframes[k].segment != keyframes[k - 1].segment ||
+                      std::ranges::any_of(track.breaks_ns, [&](std::int64_t break_ns) {
+                          return break_ns > keyframes[k - 1].timestamp_ns &&
+                                 break_ns <= keyframes[k].timestamp_ns;
+                      }));
+        if (is_after_break && num_at_breaks < kMaxCovariances) {
+            add(k - 1);
+            add(k);
+            num_at_breaks += 2;
+        }
+        if (k % stride == 0 || k + 1 == keyframes.size()) add(k);
+    }
+    return anchors;
+}
+
+types::PathPrior path_prior(BundleAdjustment& bundle_adjustment,
+                            const types::Track& track,
+                            std::vector<BodyState>& states,
+                            const CalibrationUncertainty& calibration,
+                            const std::vector<BodyRates>& rates) {
+    types::PathPrior prior;
+    std::vector<BodyState*> of;
+    for (const std::size_t k : anchors_of(track)) {
+        of.push_back(&states[k]);
+        prior.timestamps_ns.push_back(track.keyframes[k].timestamp_ns);
+    }
+    JointCovariance joint = bundle_adjustment.covariances(of, calibration, rates, JointOf::Poses);
+    if (joint.states.empty()) return {};
+    prior.apart_m.assign(of.size(), 0.0);
+    prior.drift = std::move(joint.poses);
+    prior.shared.resize(prior.drift.rows(), joint.poses_by_calibration.cols() + 1);
+    prior.shared.leftCols(joint.poses_by_calibration.cols()) = joint.poses_by_calibration;
+    prior.shared.rightCols<1>().setZero();
+    for (std::size_t i = 0; i < of.size(); ++i)
+        prior.shared.rightCols<1>().segment<3>(6 * static_cast<Eigen::Index>(i)) =
+            kScaleSigma * (of[i]->p_world_imu - of.front()->p_world_imu);
+    return prior;
+}
+
+// Expresses a prior in the axes of another world.
+void rotate(const Eigen::Quaterniond& q_new_old, types::PathPrior& prior) {
+    const Eigen::Matrix3d R = q_new_old.toRotationMatrix();
+    for (Eigen::Index row = 0; row < prior.drift.rows(); row += 3) {
+        prior.drift.middleRows<3>(row) = (R * prior.drift.middleRows<3>(row)).eval();
+        prior.shared.middleRows<3>(row) = (R * prior.shared.middleRows<3>(row)).eval();
+    }
+    for (Eigen::Index column = 0; column < prior.drift.cols(); column += 3)
+        prior.drift.middleCols<3>(column) =
+            (prior.drift.middleCols<3>(column) * R.transpose()).eval();
+}
+
 }  // namespace
 
 GlobalBundleAdjustment adjust_globally(types::Track& track,
@@ -159,7 +222,8 @@ GlobalBundleAdjustment adjust_globally(types::Track& track,
                                        const std::vector<KnownMotion>& known,
                                        const CalibrationUncertainty& calibration,
                                        const base::ProgressCallback& progress,
-                                       const Progress& at) {
+                                       const Progress& at,
+                                       WithPrior with_prior) {
     const types::RectifiedRig& rig = track.rig;
     std::vector<types::Keyframe>& keyframes = track.keyframes;
     std::vector<types::Landmark>& landmarks = track.landmarks;
@@ -200,7 +264,15 @@ GlobalBundleAdjustment adjust_globally(types::Track& track,
                                         rates_of(inertial, keyframes, states, reference));
         if (uncertainty.last_step_sigmas) outcome.last_step_sigmas = *uncertainty.last_step_sigmas;
     }
+    types::PathPrior prior;
+    if (with_prior == WithPrior::Yes && !outcome.failed())
+        prior = path_prior(bundle_adjustment,
+                           track,
+                           states,
+                           calibration,
+                           rates_of(inertial, keyframes, states, reference));
     const Eigen::Quaterniond q_level_world = gravity_alignment(inertial, reference);
+    rotate(q_level_world, prior);
     for (std::size_t k = 0; k < states.size(); ++k)
         keyframes[k].T_world_cam = q_level_world * states[k].T_world_imu() * rig.T_imu_cam;
     for (types::Landmark& landmark : landmarks) landmark.p_world = q_level_world * landmark.p_world;
@@ -209,7 +281,8 @@ GlobalBundleAdjustment adjust_globally(types::Track& track,
             std::move(uncertainty.drift),
             uncertainty.path,
             std::move(outcome),
-            stride};
+            stride,
+            std::move(prior)};
 }
 
 }  // namespace divemesh::optimisation

@@ -8,6 +8,7 @@
 #include "worker/optimisation/bundle_adjustment.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
+#include "worker/types/path_prior.hpp"
 #include "worker/types/path_uncertainty.hpp"
 #include "worker/types/pose_covariance.hpp"
 #include "worker/types/rectified_rig.hpp"
@@ -24,7 +25,12 @@ struct GlobalBundleAdjustment {
     types::PathUncertainty path;         // of the keyframes' positions
     types::SolverOutcome outcome;
     std::size_t landmark_stride = 1;  // every n-th landmark was adjusted
+    types::PathPrior prior;           // empty unless asked for
 };
+
+// Whether the joint covariance of keyframes is wanted, to be joined with measurements of where the
+// dive took place.
+enum class WithPrior { No, Yes };
 
 // The motion of the body to a keyframe from the one before, known otherwise than by landmarks and
 // inertial sensors: from a rest, or predicted where nothing measured it.
@@ -45,6 +51,7 @@ GlobalBundleAdjustment adjust_globally(types::Track& track,
                                        const std::vector<KnownMotion>& known,
                                        const CalibrationUncertainty& calibration,
                                        const base::ProgressCallback& progress,
-                                       const Progress& at);
+                                       const Progress& at,
+                                       WithPrior with_prior = WithPrior::No);
 
 }  // namespace divemesh::optimisation

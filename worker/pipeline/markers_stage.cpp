@@ -6,6 +6,7 @@
 #include "worker/camera/rerectifier.hpp"
 #include "worker/markers/measure_bars.hpp"
 #include "worker/markers/survey_markers.hpp"
+#include "worker/pipeline/join_positions.hpp"
 #include "worker/pipeline/scale_of_result.hpp"
 #include "worker/pipeline/stage_functions.hpp"
 
@@ -89,7 +90,8 @@ void correct_scale_automatically(const std::vector<markers::TagView>& views, Rec
 }  // namespace
 
 bool markers_wanted(const Reconstruction& made) {
-    return !made.has_failed() && (made.marker_plan || made.options().correct_scale == "auto");
+    return !made.has_failed() && (made.marker_plan || made.options().correct_scale == "auto" ||
+                                  !made.dive.outside().empty());
 }
 
 void run_markers(Reconstruction& made, const base::ProgressCallback& progress) {
@@ -98,8 +100,15 @@ void run_markers(Reconstruction& made, const base::ProgressCallback& progress) {
         views = find_tags(made, progress);
         made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made));
     }
+    made.scale_by_positions = scale_by_positions(made);
     if (made.options().correct_scale == "on") correct_scale(views, made);
     if (made.options().correct_scale == "auto") correct_scale_automatically(views, made);
+    join_positions(made);
+    if (made.markers && made.georeference && made.georeference->path_joined) {
+        auto correction = std::move(made.markers->correction);
+        made.markers = markers::measure_markers(views, *made.marker_plan, world_of(made));
+        made.markers->correction = std::move(correction);
+    }
 }
 
 }  // namespace divemesh::pipeline

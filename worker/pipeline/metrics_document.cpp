@@ -19,6 +19,7 @@
 #include "worker/io/rig_json.hpp"
 #include "worker/io/solver_json.hpp"
 #include "worker/pipeline/color_metrics.hpp"
+#include "worker/pipeline/georeference_metrics.hpp"
 #include "worker/types/disparity_range.hpp"
 
 namespace divemesh::pipeline {
@@ -433,6 +434,7 @@ json metrics_document(const MetricsInput& input) {
     if (input.mesh) document["mesh"] = mesh(*input.mesh);
     if (input.texture) document["texture"] = texture(*input.texture);
     if (input.color) document["color"] = to_metrics(*input.color);
+    if (input.georeference) document["georeference"] = to_metrics(*input.georeference);
     if (input.end_covariance_m2)
         document["trajectory"]["covariance"]["end_sigma_m"] =
             std::sqrt(input.end_covariance_m2->trace());

@@ -21,6 +21,7 @@
 #include "worker/pipeline/texture_metrics.hpp"
 #include "worker/pipeline/water_color.hpp"
 #include "worker/types/geographic_position.hpp"
+#include "worker/types/georeference.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/rig.hpp"
 #include "worker/types/rig_alignment.hpp"
@@ -51,6 +52,7 @@ struct MetricsInput {
     ReconstructionOptions options;  // as used in this run
     std::string dive_name;
     std::optional<types::GeographicPosition> position;
+    std::optional<types::GeoReference> georeference = std::nullopt;
     std::string content_sha256;
     double duration_s = 0.0;
     types::Rig stated_rig;

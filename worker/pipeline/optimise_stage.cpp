@@ -59,7 +59,13 @@ void run_optimise(Reconstruction& made, const base::ProgressCallback& progress) 
     alignment.disparity_bias_px /= made.track.reduction;
     alignment.disparity_bias_sigma_px /= made.track.reduction;
     made.optimised = optimise(
-        made.track, made.recording, made.options(), made.keyframe_store, alignment, progress);
+        made.track,
+        made.recording,
+        made.options(),
+        made.keyframe_store,
+        alignment,
+        progress,
+        made.dive.outside().empty() ? optimisation::WithPrior::No : optimisation::WithPrior::Yes);
 }
 
 void save_optimise(Reconstruction& made, const std::string& key) {

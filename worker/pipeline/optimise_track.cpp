@@ -29,6 +29,18 @@ namespace {
 
 constexpr int kMaxLeverArmRounds = 3;
 
+// Notes in the prior how far its keyframes were set apart.
+void note_apart(const std::vector<types::Keyframe>& as_estimated,
+                const std::vector<types::Keyframe>& apart,
+                types::PathPrior& prior) {
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < prior.timestamps_ns.size(); ++i) {
+        while (apart[k].timestamp_ns != prior.timestamps_ns[i]) ++k;
+        prior.apart_m[i] =
+            apart[k].T_world_cam.translation().x() - as_estimated[k].T_world_cam.translation().x();
+    }
+}
+
 // Runs the steps of optimise_track, and runs them again with less if the result is worse.
 class TrackOptimiser {
 public:
@@ -37,12 +49,14 @@ public:
                    const ReconstructionOptions& options,
                    const keyframes::KeyframeStore& store,
                    const types::RigAlignment& alignment,
+                   optimisation::WithPrior with_prior,
                    const base::ProgressCallback& progress)
         : track_(track),
           recording_(recording),
           options_(options),
           store_(store),
           alignment_(alignment),
+          with_prior_(with_prior),
           progress_(progress),
           inertial_(recording, options, track.left_out),
           drift_(track.keyframes, track.landmarks, &inertial_, loops::motions_in_sight(track)) {
@@ -85,6 +99,7 @@ private:
     const ReconstructionOptions& options_;
     const keyframes::KeyframeStore& store_;
     const types::RigAlignment& alignment_;
+    optimisation::WithPrior with_prior_;
     const base::ProgressCallback& progress_;
     imu::InertialPrior inertial_;
     loops::DriftModel drift_;
@@ -171,7 +186,8 @@ bool TrackOptimiser::adjust(types::Track closed) {
         known_motions(track_, closed, inertial_, drift_),
         calibration::calibration_uncertainty(recording_.rig(), closed.rig, refinement_, alignment_),
         progress_,
-        at(0.6));
+        at(0.6),
+        with_prior_);
     result_.statistics.bundle_adjustment.add(adjusted.outcome);
     types::TrackCheck& check = result_.statistics.check;
     check.before = agreement(track_, track_, adjusted.landmark_stride, drift_);
@@ -264,8 +280,11 @@ void TrackOptimiser::take(types::Track& closed,
     if (pose_graph_)
         add(solver_findings(*pose_graph_, "loops_not_converged", "the pose graph of the loops"));
     result_.statistics.reprojection_rms_px = adjusted.reprojection_rms_px;
+    result_.prior = adjusted.prior;
+    const std::vector<types::Keyframe> as_estimated = closed.keyframes;
     result_.max_depth_m =
         set_segments_apart(closed.rig, track_.statistics.median_depth_m, closed.keyframes);
+    note_apart(as_estimated, closed.keyframes, result_.prior);
     result_.trajectory = optimisation::follow_keyframes(
         closed.odometry, track_.sigmas, closed.keyframes, closed.rig.T_imu_cam, track_.breaks_ns);
     result_.breaks_ns = track_.breaks_ns;
@@ -291,8 +310,9 @@ types::OptimisedTrack optimise_track(const types::Track& track,
                                      const ReconstructionOptions& options,
                                      const keyframes::KeyframeStore& store,
                                      const types::RigAlignment& alignment,
-                                     const base::ProgressCallback& progress) {
-    return TrackOptimiser(track, recording, options, store, alignment, progress).run();
+                                     const base::ProgressCallback& progress,
+                                     optimisation::WithPrior with_prior) {
+    return TrackOptimiser(track, recording, options, store, alignment, with_prior, progress).run();
 }
 
 }  // namespace divemesh::pipeline

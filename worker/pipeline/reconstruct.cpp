@@ -131,13 +131,15 @@ types::OptimisedTrack optimise(const types::Track& track,
                                const ReconstructionOptions& options,
                                const keyframes::KeyframeStore& store,
                                const types::RigAlignment& alignment,
-                               const base::ProgressCallback& progress) {
+                               const base::ProgressCallback& progress,
+                               optimisation::WithPrior with_prior) {
     const auto untracked = too_little_tracked(track);
     const bool whole_dive = !untracked && options.adjust_whole_dive &&
                             estimator_of(options).adjusts_whole_dive && track.keyframes.size() >= 2;
     types::OptimisedTrack result =
-        whole_dive ? optimise_track(track, recording, options, store, alignment, progress)
-                   : as_tracked(track);
+        whole_dive
+            ? optimise_track(track, recording, options, store, alignment, progress, with_prior)
+            : as_tracked(track);
     if (!whole_dive && !untracked) check_as_tracked(track, recording, options, result);
     std::vector<Finding> findings = track.findings;
     const auto lost = tracking_findings(track);

@@ -10,6 +10,7 @@
 #include "worker/fusion/octree_volume.hpp"
 #include "worker/keyframes/keyframe_store.hpp"
 #include "worker/mesh/extract_surface.hpp"
+#include "worker/optimisation/global_bundle_adjustment.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/optimised_track.hpp"
 #include "worker/types/recording.hpp"
@@ -31,13 +32,14 @@ types::Track track(types::Recording& recording,
 
 // Returns the optimised track: loops closed, all keyframes adjusted, calibration refined. The
 // pairwise estimator's track stays as it is. If hardly any frame was tracked, or the result
-// diverged, an error is among its findings.
+// diverged, an error is among its findings. `with_prior` asks for OptimisedTrack::prior.
 types::OptimisedTrack optimise(const types::Track& track,
                                const types::Recording& recording,
                                const ReconstructionOptions& options,
                                const keyframes::KeyframeStore& store,
                                const types::RigAlignment& alignment,
-                               const base::ProgressCallback& progress);
+                               const base::ProgressCallback& progress,
+                               optimisation::WithPrior with_prior = optimisation::WithPrior::No);
 
 // The result of step 7: the volume from which the surface is extracted, and the points of the
 // cloud.

@@ -105,4 +105,12 @@ types::Rig Reconstruction::used_rig() const {
     return scale ? scale->applied(rig) : rig;
 }
 
+std::optional<types::GeographicPosition> Reconstruction::position() const {
+    if (!georeference || !georeference->position) return dive.info().position;
+    types::GeographicPosition estimated = *georeference->position;
+    if (!estimated.x_azimuth_deg && dive.info().position)
+        estimated.x_azimuth_deg = dive.info().position->x_azimuth_deg;
+    return estimated;
+}
+
 }  // namespace divemesh::pipeline

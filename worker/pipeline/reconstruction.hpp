@@ -23,6 +23,7 @@
 #include "worker/pipeline/reconstruct_dive.hpp"
 #include "worker/pipeline/stage_files.hpp"
 #include "worker/pipeline/stage_time.hpp"
+#include "worker/types/georeference.hpp"
 #include "worker/types/rig_alignment.hpp"
 
 namespace divemesh::pipeline {
@@ -45,6 +46,9 @@ struct Reconstruction {
     // once the scale was corrected. Both are of images as recorded.
     types::RefinedCalibration refined() const;
     types::Rig used_rig() const;
+
+    // Returns where the world's origin lies: as estimated, else as dive.json states it.
+    std::optional<types::GeographicPosition> position() const;
 
     const ReconstructionOptions& options() const { return known_options; }
     // Returns true once an error is among the findings on the track: no surface can follow.
@@ -79,6 +83,9 @@ struct Reconstruction {
     std::optional<markers::WorldScale> scale;  // as applied
     // Why it was applied; nullopt: it was not, or it was asked for.
     std::optional<evaluation::CombinedScale> scale_correction;
+    // Of the current result, by positions from outside; nullopt: there are none.
+    std::optional<evaluation::ScaleCheck> scale_by_positions;
+    std::optional<types::GeoReference> georeference;  // nullopt: nothing outside was measured
 
     // fuse
     std::unique_ptr<fusion::Volume> volume;  // until the mesh is extracted

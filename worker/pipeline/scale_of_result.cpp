@@ -95,6 +95,7 @@ evaluation::ScaleSources scale_sources(const Reconstruction& made) {
          .pressure =
              uses_pressure ? made.recording.pressure() : std::vector<types::PressureSample>(),
          .markers = by_markers(made),
+         .positions = made.scale_by_positions,
          .marked_distances = measure_marked_distances(made),
          .known_distances = known ? &*known : nullptr,
          .num_segments = segments_of(optimised).size()},
@@ -109,6 +110,7 @@ void scale_result(double factor, double sigma, Reconstruction& made) {
     replace_scale_error(factor, sigma / factor, made.optimised);
     made.optimised.rig.baseline_m *= factor;
     made.optimised.max_depth_m *= factor;
+    if (made.scale_by_positions) made.scale_by_positions->scale /= factor;
     made.track.causal =
         markers::WorldScale(factor, made.track.rig.T_imu_cam).applied(made.track.causal);
     made.track.statistics.median_depth_m *= factor;

@@ -22,6 +22,10 @@ struct StageWriter {
     void flag(bool value) { file.put(static_cast<std::uint8_t>(value)); }
     void text(const std::string& value) { file.put_text(value); }
     void vector(const auto& values) { file.put_vector(values); }
+    void matrix(const Eigen::MatrixXd& values) {
+        file.put(static_cast<std::uint64_t>(values.rows()));
+        file.put_vector(std::vector<double>(values.data(), values.data() + values.size()));
+    }
     void list(const auto& items) {
         file.put(static_cast<std::uint64_t>(items.size()));
         for (const auto& item : items) fields(*this, item);
@@ -49,6 +53,14 @@ struct StageReader {
     template <typename T>
     void vector(std::vector<T>& values) {
         values = file.get_vector<T>();
+    }
+    void matrix(Eigen::MatrixXd& values) {
+        const auto num_rows = file.get<std::uint64_t>();
+        const auto read = file.get_vector<double>();
+        values.resize(0, 0);
+        if (num_rows == 0 || read.size() % num_rows != 0) return;
+        const auto rows = static_cast<Eigen::Index>(num_rows);
+        values = Eigen::Map<const Eigen::MatrixXd>(read.data(), rows, std::ssize(read) / rows);
     }
     void list(auto& items) {
         const auto num_items = file.get<std::uint64_t>();
@@ -183,6 +195,13 @@ void fields(auto& file, Is<types::Track> auto& track) {
     file.plain(track.reduction);
 }
 
+void fields(auto& file, Is<types::PathPrior> auto& prior) {
+    file.vector(prior.timestamps_ns);
+    file.vector(prior.apart_m);
+    file.matrix(prior.drift);
+    file.matrix(prior.shared);
+}
+
 void fields(auto& file, Is<types::OptimisedTrack> auto& track) {
     file.list(track.trajectory);
     file.vector(track.breaks_ns);
@@ -193,6 +212,7 @@ void fields(auto& file, Is<types::OptimisedTrack> auto& track) {
     fields(file, track.rig);
     fields(file, track.calibration);
     file.list(track.covariances);
+    fields(file, track.prior);
     file.list(track.findings);
     file.plain(track.statistics);
 }

@@ -84,7 +84,7 @@ double write_mosaic(const Reconstruction& made,
         mosaic::mosaic_grid(shown.mesh, mosaic::seen_pixel_m(shown.mesh, shown.texture));
     const int num_threads = made.options().num_threads;
     const mosaic::MosaicRenderer renderer(shown.mesh, &shown.texture, grid, num_threads);
-    io::MosaicWriter writer(folder, grid, made.dive.info().position, num_threads);
+    io::MosaicWriter writer(folder, grid, made.position(), num_threads);
     for (int row = 0; row < grid.height_px; row += kRows) {
         const mosaic::MosaicRows rows = renderer.rows(row, std::min(kRows, grid.height_px - row));
         writer.append(rows.color, rows.height_m, rows.sigma_m);

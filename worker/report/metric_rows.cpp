@@ -86,6 +86,8 @@ HtmlRows expected_rows(const json& metrics) {
     add("Its standard deviation", "scale/accelerometer/sigma", "%.3f", 1.0);
     add("Scale from the pressure", "scale/pressure/scale", "%.3f", 1.0);
     add("Its standard deviation", "scale/pressure/sigma", "%.3f", 1.0);
+    add("Scale from positions", "scale/positions/scale", "%.4f", 1.0);
+    add("Its standard deviation", "scale/positions/sigma", "%.4f", 1.0);
     add("Scale from known distances", "scale/known_distances/scale", "%.4f", 1.0);
     add("Its standard deviation", "scale/known_distances/sigma", "%.4f", 1.0);
     add("Surface error, 95 % below", "surface/error_95_m", "%.1f mm", 1e3);
@@ -99,6 +101,12 @@ HtmlRows dive_rows(const json& metrics) {
     HtmlRows rows;
     reader.add(rows, "Duration", "/dive/duration_s", "%.1f s");
     reader.add(rows, "Path", "/trajectory/path_length_m", "%.2f m");
+    reader.add(rows, "Easting of the first pose (UTM)", "/georeference/easting_m", "%.2f m");
+    reader.add(rows, "Its standard deviation", "/georeference/easting_sigma_m", "%.2f m");
+    reader.add(rows, "Northing of the first pose (UTM)", "/georeference/northing_m", "%.2f m");
+    reader.add(rows, "Its standard deviation", "/georeference/northing_sigma_m", "%.2f m");
+    reader.add(rows, "Azimuth of the x axis", "/georeference/x_azimuth_deg", "%.2f°");
+    reader.add(rows, "Its standard deviation", "/georeference/heading_sigma_deg", "%.2f°");
     reader.add(rows, "Frames", "/frames/num_frames", "%.0f");
     reader.add(rows, "Frames that did not decode", "/frames/num_skipped_frames", "%.0f");
     reader.add(rows, "Frames tracked by vision", "/frames/coverage", "%.1f %%", 1e2);

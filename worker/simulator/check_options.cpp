@@ -44,6 +44,9 @@ void check_images(const SimulateOptions& options) {
     check_range("snow_density", options.snow_density, 0.0, 100.0);
     check_range("fish_density", options.fish_density, 0.01, 1000.0);
     check_range("markers", options.num_markers, 0, dive::num_ids(options.marker_family));
+    if (options.control_points && options.num_markers == 0)
+        throw Error(ErrorCode::InvalidArgument,
+                    "control points are markers whose position is known: add --markers");
     check_range("marker_size_m", options.marker_size_m, 0.02, 1.0);
 }
 

@@ -156,6 +156,60 @@ void write_pressure_file(const std::filesystem::path& folder,
     write_text(folder / "data.csv", rows.str());
 }
 
+void write_outside_files(const std::filesystem::path& dive,
+                         const types::OutsidePositions& outside) {
+    for (const types::PositionSource& source : outside.sources) {
+        std::ostringstream rows;
+        rows << std::fixed << std::setprecision(4)
+             << "#timestamp [ns],easting [m],northing [m],up [m],sigma_h [m],sigma_v [m]\n";
+        for (const types::PositionSample& sample : source.samples) {
+            rows << sample.timestamp_ns;
+            put(rows, sample.utm_m);
+            rows << ',' << sample.sigma_h_m << ',' << sample.sigma_v_m << '\n';
+        }
+        const std::filesystem::path folder = dive / "mav0" / source.name;
+        write_text(folder / "data.csv", rows.str());
+        write_text(folder / "sensor.yaml",
+                   dive::sensor_yaml_text("position", {}, {"position of the body"}) + "kind: " +
+                       std::string(enum_to_text(types::kPositionKindTexts, source.kind)) +
+                       "\nepsg: " + std::to_string(source.epsg) + "\n");
+    }
+    if (!outside.velocities.empty()) {
+        std::ostringstream rows;
+        rows << std::setprecision(kRowDigits)
+             << "#timestamp [ns],v_x [m/s],v_y [m/s],v_z [m/s],sigma [m/s]\n";
+        for (const types::VelocitySample& sample : outside.velocities) {
+            rows << sample.timestamp_ns;
+            put(rows, sample.velocity_instrument);
+            rows << ',' << sample.sigma_m_s << '\n';
+        }
+        const std::filesystem::path folder = dive / "mav0" / "velocity0";
+        write_text(folder / "data.csv", rows.str());
+        write_text(folder / "sensor.yaml",
+                   dive::sensor_yaml_text(
+                       "velocity", {.T_body_sensor = outside.T_imu_dvl.matrix()}, {"DVL"}));
+    }
+    if (outside.control_points.empty()) return;
+    nlohmann::json points = nlohmann::json::array();
+    for (const types::ControlPoint& point : outside.control_points)
+        points.push_back({{"name", point.name},
+                          {"marker_id", point.marker_id},
+                          {"position", to_array(point.utm_m)},
+                          {"sigma_h_m", point.sigma_h_m},
+                          {"sigma_v_m", point.sigma_v_m}});
+    const nlohmann::json all = {{"epsg", outside.control_points_epsg}, {"points", points}};
+    write_text(dive / "control_points.json", all.dump(1) + "\n");
+}
+
+void write_place_on_earth(const std::filesystem::path& file,
+                          const types::GeographicPosition& position) {
+    const nlohmann::json all = {{"frame", "origin and x axis of state_groundtruth_estimate0"},
+                                {"latitude_deg", position.latitude_deg},
+                                {"longitude_deg", position.longitude_deg},
+                                {"x_azimuth_deg", position.x_azimuth_deg.value_or(0.0)}};
+    write_text(file, all.dump(1) + "\n");
+}
+
 void write_dive_info(const std::filesystem::path& file,
                      const SimulateOptions& options,
                      WaterKind water) {

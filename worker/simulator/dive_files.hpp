@@ -10,6 +10,8 @@
 #include "worker/simulator/scene.hpp"
 #include "worker/simulator/simulate.hpp"
 #include "worker/simulator/surface_change.hpp"
+#include "worker/types/geographic_position.hpp"
+#include "worker/types/outside_positions.hpp"
 #include "worker/types/recording.hpp"
 #include "worker/types/rig.hpp"
 
@@ -39,6 +41,12 @@ void write_ahrs_files(const std::filesystem::path& folder,
                       const std::vector<types::OrientationSample>& samples);
 void write_pressure_file(const std::filesystem::path& folder,
                          const std::vector<types::PressureSample>& samples);
+// Writes the files of what other instruments told of the place: mav0/position0, mav0/velocity0,
+// control_points.json, as far as there is any. `dive` is the folder of the dive.
+void write_outside_files(const std::filesystem::path& dive, const types::OutsidePositions& outside);
+// Writes where the world of the ground truth lies.
+void write_place_on_earth(const std::filesystem::path& file,
+                          const types::GeographicPosition& position);
 void write_dive_info(const std::filesystem::path& file,
                      const SimulateOptions& options,
                      WaterKind water);

@@ -38,10 +38,6 @@ Eigen::Vector3f board_point(int i, float edge_m) {
            Eigen::Vector3f(static_cast<float>(column), static_cast<float>(row), 0.0F);
 }
 
-Eigen::Vector3d middle_world(const LaidMarker& marker) {
-    return (marker.T_world_board * Eigen::Vector3f(0, 0, 0.5F * kThickness_m)).cast<double>();
-}
-
 class BoardLayer {
 public:
     BoardLayer(const RayCaster& caster, float edge_m, std::uint64_t seed)
@@ -208,6 +204,10 @@ void put_markers(const std::vector<LaidMarker>& markers,
                  const SimulateOptions& options,
                  Scene& scene) {
     for (const LaidMarker& marker : markers) put_into(scene, marker, options);
+}
+
+Eigen::Vector3d middle_world(const LaidMarker& marker) {
+    return (marker.T_world_board * Eigen::Vector3f(0, 0, 0.5F * kThickness_m)).cast<double>();
 }
 
 dive::MarkerPlan plan_of(const std::vector<LaidMarker>& markers, const SimulateOptions& options) {

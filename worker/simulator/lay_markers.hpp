@@ -37,6 +37,9 @@ void put_markers(const std::vector<LaidMarker>& markers,
                  const SimulateOptions& options,
                  Scene& scene);
 
+// Returns the centre of the tag.
+Eigen::Vector3d middle_world(const LaidMarker& marker);
+
 // Returns the plan with the printed size and the exact distances of neighbours and of every second
 // one.
 dive::MarkerPlan plan_of(const std::vector<LaidMarker>& markers, const SimulateOptions& options);

@@ -18,6 +18,7 @@
 #include "worker/simulator/fit_ports.hpp"
 #include "worker/simulator/inertial_sensors.hpp"
 #include "worker/simulator/lay_markers.hpp"
+#include "worker/simulator/outside_sensors.hpp"
 #include "worker/simulator/reference_mesh.hpp"
 #include "worker/simulator/renderer.hpp"
 #include "worker/simulator/stated_rig.hpp"
@@ -112,6 +113,7 @@ public:
             }
         }
         write_sensors();
+        write_outside();
         write_measurements(options_.out / "measurements.json", scene_.distances);
         if (markers_) write_markers(options_.out / "markers.json", *markers_);
         if (options_.year > 1)
@@ -146,6 +148,8 @@ private:
         }
         put_markers(markers, options_, scene_);
         markers_ = plan_of(markers, options_);
+        if (options_.control_points)
+            survey_markers(markers, options_.noise, options_.seed, outside_);
     }
 
     RenderOptions render_options() const {
@@ -263,6 +267,18 @@ private:
                     motion_, end_s, scene_.surface_z_m, options_.noise, survey_.seed));
     }
 
+    void write_outside() {
+        const double end_s = exposures_.back().t_s;
+        if (options_.positions)
+            outside_.sources.push_back(simulate_positions(
+                motion_, end_s, *options_.positions, options_.noise, options_.seed));
+        if (options_.dvl)
+            simulate_velocities(motion_, end_s, options_.noise, options_.seed, outside_);
+        if (outside_.empty()) return;
+        write_outside_files(options_.out, outside_);
+        write_place_on_earth(options_.out / "truth" / "place.json", place_on_earth(options_.seed));
+    }
+
     bool is_misstated() const {
         return options_.calibration_error > 0.0 || options_.vertical_misalignment_px != 0.0 ||
                (options_.ports && !options_.ports->described);
@@ -300,6 +316,7 @@ private:
     DiverMotion motion_;
     std::vector<Exposure> exposures_;
     std::optional<dive::MarkerPlan> markers_;
+    types::OutsidePositions outside_;
     std::chrono::steady_clock::time_point started_ = std::chrono::steady_clock::now();
 };
 

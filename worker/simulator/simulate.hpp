@@ -9,6 +9,7 @@
 #include "worker/dive/marker_family.hpp"
 #include "worker/simulator/stretch.hpp"
 #include "worker/types/camera.hpp"
+#include "worker/types/outside_positions.hpp"
 
 namespace divemesh::simulator {
 
@@ -25,6 +26,8 @@ SceneKind scene_kind_from_string(std::string_view text);  // throws Error{Invali
 WaterKind water_kind_from_string(std::string_view text);  // throws Error{InvalidArgument}
 // Returns the lens model of a name (LensModel::name). Throws Error{InvalidArgument}.
 types::Distortion lens_from_string(std::string_view text);
+// Returns the kind of usbl, gps-float or surface-fix. Throws Error{InvalidArgument}.
+types::PositionKind position_kind_from_string(std::string_view text);
 
 types::Port::Shape port_shape_from_string(std::string_view text);  // throws Error{InvalidArgument}
 
@@ -62,6 +65,10 @@ struct SimulateOptions {
     int num_markers = 0;  // AprilTags on the ground along the path, and markers.json
     dive::MarkerFamily marker_family = dive::MarkerFamily::Tag36h11;
     double marker_size_m = 0.12;  // as defined in docs/markers.md
+    // Positions by another instrument (mav0/position0), with outliers; nullopt: none.
+    std::optional<types::PositionKind> positions;
+    bool dvl = false;             // velocities over ground (mav0/velocity0)
+    bool control_points = false;  // positions of the markers (control_points.json), to 2 cm
     int num_threads = 0;          // 0: one per core
 
     // Faults and conditions of the dive. The defaults change nothing.

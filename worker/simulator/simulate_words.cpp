@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <string>
 #include <vector>
 
 #include "schemas/enum_text.hpp"
@@ -35,6 +37,12 @@ types::Port::Shape port_shape_from_string(std::string_view text) {
     for (const std::string_view name : camera::kPortNames)
         names.push_back({*camera::port_shape(name), name});
     return enum_from_text<types::Port::Shape>(names, text, "port");
+}
+
+types::PositionKind position_kind_from_string(std::string_view text) {
+    std::string word(text);
+    std::ranges::replace(word, '-', '_');
+    return enum_from_text<types::PositionKind>(types::kPositionKindTexts, word, "positions");
 }
 
 types::Distortion lens_from_string(std::string_view text) {

@@ -6,6 +6,7 @@
 #include "worker/types/breaks.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/loop_statistics.hpp"
+#include "worker/types/path_prior.hpp"
 #include "worker/types/path_uncertainty.hpp"
 #include "worker/types/pose_covariance.hpp"
 #include "worker/types/recording.hpp"
@@ -39,6 +40,7 @@ struct OptimisedTrack {
     RectifiedRig rig;  // with the refined T_imu_cam
     RefinedCalibration calibration;
     CovarianceTrack covariances;  // of `trajectory`; empty: unknown
+    PathPrior prior;              // of `keyframes`; empty unless asked for
     OptimiseStatistics statistics;
     std::vector<Finding> findings;
 };

@@ -91,6 +91,10 @@ TEST(StageFiles, AnOptimisedTrackSurvivesTheDiskWithItsFindings) {
     written.findings = {{Severity::Warning, "loops_not_taken", "frame 3", "message", "remedy"}};
     written.statistics.bundle_adjustment = {.num_solves = 2, .num_failed = 1, .final_cost = 7.5};
     written.statistics.check.after.reprojection_rms_px = 0.3;
+    written.prior = {.timestamps_ns = {1002},
+                     .apart_m = {12.5},
+                     .drift = Eigen::MatrixXd::Constant(6, 6, 0.5),
+                     .shared = Eigen::MatrixXd::Constant(6, 2, 0.25)};
     save_optimised_track(folder / "optimise.stage", "key", written);
     const auto read = load_optimised_track(folder / "optimise.stage", "key");
 
@@ -106,6 +110,10 @@ TEST(StageFiles, AnOptimisedTrackSurvivesTheDiskWithItsFindings) {
     EXPECT_EQ(read->statistics.bundle_adjustment.num_failed, 1);
     EXPECT_EQ(read->statistics.bundle_adjustment.final_cost, 7.5);
     EXPECT_EQ(read->statistics.check.after.reprojection_rms_px, 0.3);
+    EXPECT_EQ(read->prior.timestamps_ns, written.prior.timestamps_ns);
+    EXPECT_EQ(read->prior.apart_m, written.prior.apart_m);
+    EXPECT_EQ(read->prior.drift, written.prior.drift);
+    EXPECT_EQ(read->prior.shared, written.prior.shared);
 }
 
 TEST(StageFiles, AnAlignmentSurvivesTheDisk) {
