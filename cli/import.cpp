@@ -21,7 +21,7 @@
 #include "worker/recording/import_recording.hpp"
 #include "worker/recording/imu_clock.hpp"
 #include "worker/recording/read_rig.hpp"
-#include "worker/recording/recorded_dive.hpp"
+#include "worker/recording/recorded_kind.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -140,7 +140,9 @@ std::optional<ImportKind> kind_of(const std::vector<std::filesystem::path>& reco
     if (recording::is_image_folder(first)) return ImportKind::Images;
     if (std::filesystem::is_directory(first)) return ImportKind::Messages;
     if (recording::is_video_file(first)) return ImportKind::Videos;
-    if (recording::is_recording(first)) return ImportKind::Messages;
+    const auto kind = recording::recorded_kind(first).kind;
+    if (kind == recording::RecordedKind::Kind::Messages) return ImportKind::Messages;
+    if (kind == recording::RecordedKind::Kind::Images) return ImportKind::Images;  // an archive
     return std::nullopt;
 }
 
@@ -175,7 +177,7 @@ void add_import(CLI::App& app, Context& context) {
     auto arguments = std::make_shared<ImportArguments>();
     recording::ImportOptions& options = arguments->options;
     // clang-format off
-    command->add_option("recording", arguments->recordings, "ROS 1 bag (.bag), MCAP (.mcap), ROS 2 bag (.db3) or its folder; videos (MP4, MOV, MKV, AVI): left and right, or one of both; a folder of images, or two: left and right; none: --calibration alone writes sensor.yaml files into --out")->expected(0, 2);
+    command->add_option("recording", arguments->recordings, "ROS 1 bag (.bag), MCAP (.mcap), ROS 2 bag (.db3) or its folder; videos (MP4, MOV, MKV, AVI): left and right, or one of both; a folder or an archive of images, or two: left and right; none: --calibration alone writes sensor.yaml files into --out")->expected(0, 2);
     command->add_option("--out", options.out, "folder of the dive, which must not exist; without a recording it may")->required();
     command->add_option("--left", options.topics.left, "topic or folder of the left camera; default: by its name");
     command->add_option("--right", options.topics.right, "topic or folder of the right camera");

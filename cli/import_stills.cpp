@@ -7,6 +7,7 @@
 #include "cli/imported_text.hpp"
 #include "cli/interrupt.hpp"
 #include "cli/progress_bar.hpp"
+#include "cli/scratch.hpp"
 
 namespace divemesh::cli {
 std::shared_ptr<recording::StillsOptions> add_stills_options(CLI::App& command) {
@@ -34,7 +35,9 @@ int import_stills(const std::vector<std::filesystem::path>& folders,
         show_progress(bar, state);
     };
     recording::StillsOptions options = stills;
+    const ScratchFolder scratch(std::filesystem::temp_directory_path());
     options.folders = folders;
+    options.scratch = scratch.path();
     options.links = Links::Follow;
     options.out = common.out;
     options.calibration = common.calibration;

@@ -61,6 +61,16 @@ bool is_of_recording(const Error& error) {
            code == ErrorCode::TooLarge;
 }
 
+const char* contents_of(RecordedKind::Kind kind) {
+    switch (kind) {
+        case RecordedKind::Kind::Dive: return "a dive";
+        case RecordedKind::Kind::Messages: return "messages of ROS";
+        case RecordedKind::Kind::Images: return "folders of images";
+        case RecordedKind::Kind::Videos: return "videos";
+    }
+    return "";
+}
+
 }  // namespace
 
 bool is_recording(const fs::path& file) {
@@ -87,12 +97,15 @@ fs::path as_dive(const fs::path& path,
     } catch (const Error& error) {
         if (!is_of_recording(error)) throw;
         if (recorded.may_be_dive) return path;  // which tells what a dive lacks
-        throw dive::Refusal("recording_unclear",
-                            dive::printable(path.filename().string()),
-                            std::string("the recording does not make a dive by itself: ") +
-                                dive::printable(error.what()),
-                            "Turn it into a dive by divemesh import, which takes what is missing, "
-                            "such as topics or a calibration, and use that dive.");
+        const std::string name = dive::printable(path.filename().string());
+        throw dive::Refusal(
+            "recording_unclear",
+            name,
+            name + " holds " + contents_of(recorded.kind) +
+                " and does not make a dive by itself: " + dive::printable(error.what()),
+            "Make a dive of it by divemesh import, which takes what is missing, such as topics or "
+            "a calibration, and use that dive: divemesh import " +
+                name + " --calibration RIG --out DIVE.");
     }
     return out;
 }
