@@ -16,14 +16,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+// Sets where an import writes a dive that keeps no name of a file, and is made again when needed.
+template <typename Options>
+void write_to(const fs::path& out, Options& options) {
+    options.out = out;
+    options.naming = Naming::Unnamed;
+    options.durability = base::Durability::Unsynced;
+}
+
 void import_messages(const fs::path& recording,
                      const fs::path& out,
                      const base::ProgressCallback& progress) {
     ImportOptions options;
     options.recording = recording;
-    options.out = out;
-    options.naming = Naming::Unnamed;
-    options.durability = base::Durability::Unsynced;
+    write_to(out, options);
     RecordingImport(options, progress).write(progress);
 }
 
@@ -34,9 +40,7 @@ void import_images(const fs::path& recording,
     StillsOptions options;
     options.folders = {recording};
     options.scratch = scratch;
-    options.out = out;
-    options.naming = Naming::Unnamed;
-    options.durability = base::Durability::Unsynced;
+    write_to(out, options);
     StillsImport(options, progress).write(progress);
 }
 
@@ -47,9 +51,7 @@ void import_videos(const fs::path& recording,
     const fs::path unpacked = scratch / "videos";
     fs::create_directories(unpacked);
     VideoImportOptions options = videos_of_recording(recording, unpacked, progress);
-    options.out = out;
-    options.naming = Naming::Unnamed;
-    options.durability = base::Durability::Unsynced;
+    write_to(out, options);
     VideoImport(options, progress).write(progress);
     fs::remove_all(unpacked);  // the images that were chosen are in the dive
 }
