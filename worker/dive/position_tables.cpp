@@ -88,6 +88,7 @@ void convert(const std::vector<Eigen::Vector3d*>& places,
     if (places.empty()) return;
     const bool is_angle = epsg == io::kLongitudeLatitudeEpsg;
     std::vector<Eigen::Vector2d> given;
+    given.reserve(places.size());
     for (const Eigen::Vector3d* place : places)
         given.emplace_back(is_angle ? Eigen::Vector2d(place->y(), place->x())
                                     : Eigen::Vector2d(place->head<2>()));

@@ -58,6 +58,7 @@ Eigen::Isometry3d align_heading(const std::vector<OutsidePoint>& points) {
 double median_residual_sigmas(const std::vector<OutsidePoint>& points,
                               const Eigen::Isometry3d& T_site_world) {
     std::vector<double> residuals;
+    residuals.reserve(points.size());
     for (const OutsidePoint& point : points)
         residuals.push_back(residual_sigmas(point, T_site_world));
     return stats::upper_median(std::move(residuals));

@@ -156,7 +156,7 @@ std::string reason_against(const PointsAt& points_at,
     if (agreement.sigma_factor < kDoubtful && fits) return "";
     if (!source.was_diagnosed && agreement.kind != "control_points") {
         source.was_diagnosed = true;
-        if (const std::string cause = cause_of(points_at, index, joined_cost); !cause.empty())
+        if (std::string cause = cause_of(points_at, index, joined_cost); !cause.empty())
             return cause;
     }
     if (fits) return "";
