@@ -115,6 +115,7 @@ RigFiles read_rig(const std::vector<fs::path>& files,
         return rig_of_folder(files[0], findings);
     check_number(files.size());
     std::vector<CalibrationText> texts;
+    texts.reserve(files.size());
     for (const fs::path& file : files) texts.push_back({file.string(), text_of(file)});
     return rig_of_texts(texts, findings, hints);
 }
