@@ -43,7 +43,7 @@ struct HashedSource {
 
 HashedSource open_source(const fs::path& dive, ProgressBar& bar) {
     const std::string name = fs::canonical(dive).filename().string();
-    // Of other recordings the server tells the contents, as it makes the dive of them.
+    // The server tells the contents of other recordings, as it makes the dive of them.
     const bool is_dive = recording::recorded_kind(dive).is_dive();
     if (!fs::is_directory(dive)) {
         auto file = std::make_unique<client::FileSource>(dive);

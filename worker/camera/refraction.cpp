@@ -8,8 +8,7 @@ namespace divemesh::camera {
 namespace {
 
 constexpr double kMinCosine = 1e-6;
-// Of normalised image coordinates.
-constexpr double kStep = 1e-6;
+constexpr double kStep = 1e-6;  // normalised image coordinates, as the next two
 constexpr double kConverged = 1e-12;
 constexpr double kMaxError = 1e-9;
 constexpr int kMaxIterations = 30;

@@ -28,7 +28,7 @@ struct OutsideMotion {
     double sigma_m = 0.0;  // of each axis
 };
 
-// What is known beside the measurements.
+// States what is known beside the measurements.
 struct JoinSettings {
     double tilt_sigma_rad = 0.01;         // of the world's vertical, each axis
     double scale_sigma = 0.0;             // of the error of the scale that all lengths share
@@ -42,10 +42,10 @@ struct JoinedPath {
     bool converged = false;  // the last step moved no unknown by more than 3 % of its sigma
     int num_iterations = 0;
     Eigen::Isometry3d T_site_world = Eigen::Isometry3d::Identity();
-    // Of the place of the path's first pose in `site`: rotation vector, rad, then position, m.
+    // Covariance of the first pose in `site`: rotation vector, rad, then position, m.
     Eigen::Matrix<double, 6, 6> site_covariance = Eigen::Matrix<double, 6, 6>::Zero();
-    // Of each anchor, to the world with its z axis along that of the site; the first anchor stays
-    // where it is.
+    // Correction of each anchor, to the world with its z axis along that of the site; the first
+    // anchor stays where it is.
     std::vector<Eigen::Isometry3d> T_new_old;
     Eigen::MatrixXd prior_covariance;  // of the anchors, as PathPrior
     Eigen::MatrixXd covariance;        // the same, joined
@@ -59,7 +59,7 @@ struct JoinedPath {
     double moved_sigmas = 0.0;
     double moved_squares = 0.0;
     double num_determined = 0.0;
-    // Of each point: its residual in `site`, m, measured minus path.
+    // Residual of each point in `site`, m, measured minus path.
     std::vector<Eigen::Vector3d> residuals_m;
 };
 

@@ -83,7 +83,7 @@ struct Reconstruction {
     std::optional<markers::WorldScale> scale;  // as applied
     // Why it was applied; nullopt: it was not, or it was asked for.
     std::optional<evaluation::CombinedScale> scale_correction;
-    // Of the current result, by positions from outside; nullopt: there are none.
+    // Scale of the current result by positions from outside; nullopt: there are none.
     std::optional<evaluation::ScaleCheck> scale_by_positions;
     std::optional<types::GeoReference> georeference;  // nullopt: nothing outside was measured
 

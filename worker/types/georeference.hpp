@@ -32,7 +32,7 @@ struct SourceAgreement {
 // Where a result lies on the earth.
 struct GeoReference {
     std::vector<SourceAgreement> sources;
-    // Of the world's origin; nullopt: no source tells it.
+    // Position of the world's origin; nullopt: no source tells it.
     std::optional<GeographicPosition> position;
     int utm_epsg = 0;
     Eigen::Vector3d utm_m = Eigen::Vector3d::Zero();    // the same; z: height, if it is known

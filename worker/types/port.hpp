@@ -11,11 +11,11 @@ struct Port {
     enum class Shape : std::uint8_t { Flat, Dome };
 
     Shape shape = Shape::Flat;
-    // Of a flat port: the unit normal towards the water, and the distance along it from the lens,
-    // that is from its centre of projection, to the inner face.
+    // A flat port has a unit normal towards the water, and a distance along it from the lens, that
+    // is from its centre of projection, to the inner face.
     Eigen::Vector3d normal = Eigen::Vector3d::UnitZ();
     double distance_m = 0.0;
-    // Of a dome: its centre as seen from the lens, and the radius of the inner face.
+    // A dome has a centre, as seen from the lens, and the radius of its inner face.
     Eigen::Vector3d centre_m = Eigen::Vector3d::Zero();
     double radius_m = 0.0;
     double thickness_m = 0.0;

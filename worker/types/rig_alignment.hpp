@@ -60,7 +60,7 @@ struct RigAlignment {
     std::int32_t num_windows = 0;          // short tracks of features that were used
     double disparity_bias_px = 0.0;        // by which stated disparities are too large
     double disparity_bias_sigma_px = 0.0;  // 0: unknown
-    // Of cameras behind ports: the median depth of what the pairs show; 0: unknown, or no ports.
+    // Median depth of what the pairs behind ports show; 0: unknown, or no ports.
     double reference_depth_m = 0.0;
     SolverTally row_solver;  // of the solve whose result this is, if any
     SolverTally range_solver;
