@@ -15,8 +15,8 @@ enum class Verdict { Good, UsableWithRestrictions, NotUsable };
 std::string_view to_string(Verdict verdict);
 Verdict verdict_from_string(std::string_view text);  // throws Error{InvalidArgument}
 
-// Returns what a finding restricts: "path", "scale", "surface" or "accuracy"; an error restricts
-// "all". "": the finding restricts nothing, although its cause is worth mending.
+// Returns what a finding restricts: "path", "scale", "surface", "accuracy" or "place"; an error
+// restricts "all". "": the finding restricts nothing, although its cause is worth mending.
 std::string_view restriction_of(const Finding& finding);
 
 // Returns the verdict on a reconstruction, given all findings on its dive and on itself: not usable

@@ -25,6 +25,14 @@ TEST(VerdictTest, AWarningRestrictsWhatItsRowSays) {
               (std::vector<std::string_view>{"path", "scale", "surface"}));
 }
 
+TEST(VerdictTest, PositionsThatCouldNotPlaceTheResultRestrictItsPlace) {
+    for (const char* const code :
+         {"positions_left_out", "positions_untested", "positions_not_joined"})
+        EXPECT_EQ(restrictions_of({finding(Severity::Warning, code)}),
+                  (std::vector<std::string_view>{"place"}))
+            << code;
+}
+
 TEST(VerdictTest, AWarningOnTheRecordingAloneRestrictsNothing) {
     EXPECT_EQ(verdict_on({finding(Severity::Warning, "cam0_gap"),
                           finding(Severity::Warning, "imu_timestamp_repeated"),
