@@ -13,6 +13,7 @@
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/optimisation/ceres_outcome.hpp"
+#include "worker/optimisation/joint_influences.hpp"
 #include "worker/optimisation/levenberg_marquardt.hpp"
 #include "worker/optimisation/reduced_information.hpp"
 #include "worker/optimisation/residual_field.hpp"
@@ -406,38 +407,25 @@ const std::vector<Eigen::Vector3d>& BundleAdjustment::last_moves_m() const {
 
 namespace {
 
-// Collects the joint covariance of poses, state by state.
-struct PoseCovariances {
-    PoseCovariances(std::ptrdiff_t num_states, Eigen::Index num_unknowns, Eigen::Index num_errors)
-        : influences(num_unknowns, 6 * num_states),
-          covariance(6 * num_states, 6 * num_states),
-          by_calibration(6 * num_states, num_errors) {}
+std::vector<double*> values_of(const std::vector<Block>& blocks) {
+    std::vector<double*> values;
+    for (const Block& block : blocks) values.push_back(block.values);
+    return values;
+}
 
-    // Adds a state: the influence of its position and rotation vector on the unknowns, the same
-    // times the variance of the scores, and what the errors of the calibration move both by.
-    void add(const Eigen::MatrixXd& position,
-             const Eigen::MatrixXd& rotation,
-             const Eigen::MatrixXd& varied_position,
-             const Eigen::MatrixXd& varied_rotation,
-             const Eigen::MatrixXd& moved,
-             const Eigen::MatrixXd& turned) {
-        const Eigen::Index at = 6 * num_added++;
-        influences.middleCols<3>(at) = position.cast<float>();
-        influences.middleCols<3>(at + 3) = rotation.cast<float>();
-        Eigen::MatrixXd varied(position.rows(), 6);
-        varied << varied_position, varied_rotation;
-        covariance.block(at, 0, 6, at + 6) =
-            varied.transpose() * influences.leftCols(at + 6).cast<double>();
-        covariance.block(0, at, at + 6, 6) = covariance.block(at, 0, 6, at + 6).transpose();
-        by_calibration.middleRows<3>(at) = moved;
-        by_calibration.middleRows<3>(at + 3) = turned;
-    }
+std::vector<double*> points_in(const ceres::Problem& problem,
+                               const std::vector<Eigen::Vector3d*>& landmarks) {
+    std::vector<double*> points;
+    for (Eigen::Vector3d* landmark : landmarks)
+        if (problem.HasParameterBlock(landmark->data())) points.push_back(landmark->data());
+    return points;
+}
 
-    Eigen::MatrixXf influences;
-    Eigen::MatrixXd covariance;
-    Eigen::MatrixXd by_calibration;
-    Eigen::Index num_added = 0;
-};
+Eigen::MatrixXd beside(const Eigen::MatrixXd& left, const Eigen::MatrixXd& right) {
+    Eigen::MatrixXd both(left.rows(), left.cols() + right.cols());
+    both << left, right;
+    return both;
+}
 
 }  // namespace
 
@@ -446,14 +434,13 @@ JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& sta
                                               const std::vector<BodyRates>& rates,
                                               JointOf joint_of) {
     auto& own = *implementation_;
-    std::vector<double*> kept;
-    for (const Block& block : own.graph.blocks()) kept.push_back(block.values);
-    std::vector<double*> points;
-    for (Eigen::Vector3d* landmark : own.graph.landmarks())
-        if (own.problem->HasParameterBlock(landmark->data())) points.push_back(landmark->data());
     const SharedJacobian jacobian = own.shared_jacobian(calibration, rates);
     const ClusteredInformation information =
-        clustered_information(*own.problem, kept, points, kHuberReprojection, jacobian);
+        clustered_information(*own.problem,
+                              values_of(own.graph.blocks()),
+                              points_in(*own.problem, own.graph.landmarks()),
+                              kHuberReprojection,
+                              jacobian);
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(information.H_lower);
     if (factor.info() != Eigen::Success || factor.vectorD().minCoeff() <= 0.0) return {};
     const auto V = information.V_lower.selfadjointView<Eigen::Lower>();
@@ -477,36 +464,33 @@ JointCovariance BundleAdjustment::covariances(const std::vector<BodyState*>& sta
         return by_calibration.middleRows<3>(start_of(block));
     };
     JointCovariance result;
-    result.positions_m2.setZero(3 * std::ssize(states), 3 * std::ssize(states));
-    Eigen::MatrixXf of_positions(information.H_lower.rows(), 3 * std::ssize(states));
-    result.by_calibration_m.resize(3 * std::ssize(states), by_calibration.cols());
-    PoseCovariances of_poses(joint_of == JointOf::Poses ? std::ssize(states) : 0,
-                             information.H_lower.rows(),
-                             by_calibration.cols());
-    for (Eigen::Index i = 0; i < std::ssize(states); ++i) {
-        BodyState& state = *states[static_cast<std::size_t>(i)];
-        const Eigen::MatrixXd position = influence(state.p_world_imu.data());
+    const auto num_states = std::ssize(states);
+    JointInfluences positions(3, num_states, factor.rows(), by_calibration.cols());
+    JointInfluences poses(
+        6, joint_of == JointOf::Poses ? num_states : 0, factor.rows(), by_calibration.cols());
+    for (BodyState* const state : states) {
+        const Eigen::MatrixXd position = influence(state->p_world_imu.data());
         const Eigen::MatrixXd varied = V * position;
-        of_positions.middleCols<3>(3 * i) = position.cast<float>();
-        const Eigen::MatrixXd moved = shared(state.p_world_imu.data());
-        result.by_calibration_m.middleRows<3>(3 * i) = moved;
-        const Eigen::MatrixXd with_those_before =
-            varied.transpose() * of_positions.leftCols(3 * i + 3).cast<double>();
-        result.positions_m2.block(3 * i, 0, 3, 3 * i + 3) = with_those_before;
-        result.positions_m2.block(0, 3 * i, 3 * i + 3, 3) = with_those_before.transpose();
-        const Eigen::MatrixXd rotation = influence(own.q(state));
-        const Eigen::MatrixXd turned = shared(own.q(state));
-        const Eigen::MatrixXd varied_rotation = V * rotation;
+        const Eigen::MatrixXd moved = shared(state->p_world_imu.data());
+        positions.add(position, varied, moved);
         // Ceres' tangent of a quaternion is half the rotation vector.
+        const Eigen::MatrixXd rotation = 2.0 * influence(own.q(*state));
+        const Eigen::MatrixXd turned = 2.0 * shared(own.q(*state));
+        const Eigen::MatrixXd varied_rotation = V * rotation;
         result.states.push_back(
             {position.transpose() * varied + moved * moved.transpose(),
-             4.0 * (rotation.transpose() * varied_rotation + turned * turned.transpose())});
+             rotation.transpose() * varied_rotation + turned * turned.transpose()});
         if (joint_of == JointOf::Poses)
-            of_poses.add(
-                position, 2.0 * rotation, varied, 2.0 * varied_rotation, moved, 2.0 * turned);
+            poses.add(beside(position, rotation),
+                      beside(varied, varied_rotation),
+                      beside(moved.transpose(), turned.transpose()).transpose());
     }
-    result.poses = std::move(of_poses.covariance);
-    result.poses_by_calibration = std::move(of_poses.by_calibration);
+    result.positions_m2 = std::move(positions.covariance());
+    result.by_calibration_m = std::move(positions.by_calibration());
+    if (joint_of == JointOf::Poses) {
+        result.poses = std::move(poses.covariance());
+        result.poses_by_calibration = std::move(poses.by_calibration());
+    }
     return result;
 }
 
