@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/audit.hpp"
+#include "api/disk_guard.hpp"
 #include "api/disk_reserve.hpp"
 #include "api/sensors/sensor_hub.hpp"
 #include "api/uploads/make_truth.hpp"
@@ -50,7 +51,10 @@ void attempt(const char* task_name, const Services& services, const Task& task) 
 
 void clean_up(const Services& services) {
     auto& catalog = services.catalog;
-    attempt("reserve", services, [&] { services.reserve.hold(services.limits.min_free_bytes); });
+    attempt("reserve", services, [&] {
+        free_bytes(services, services.limits.min_free_bytes + DiskReserve::kBytes);
+        services.reserve.hold(services.limits.min_free_bytes);
+    });
     attempt("dives", services, [&] { remove_expired_dives(services); });
     attempt("truth", services, [&] { remove_deleted_truth(services); });
     attempt("attempts", services, [&] {

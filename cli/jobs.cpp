@@ -9,6 +9,7 @@
 #include "cli/server_options.hpp"
 #include "cli/text.hpp"
 #include "schemas/json.hpp"
+#include "schemas/shown_job.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -43,10 +44,10 @@ int list_jobs(client::RestClient& rest, const JobsOptions& options, const Contex
         return kExitDone;
     }
     std::vector<std::vector<std::string>> rows = {// clang-format off
-        {"ID", "DIVE", "KIND", "PRESET", "STATE", "DONE", "VERDICT", "TRIES", "PLACE", "CREATED", "FAILURE"}};
+        {"ID", "DIVE", "KIND", "PRESET", "STATE", "DONE", "VERDICT", "TRIES", "PLACE", "WAITS FOR", "CREATED", "FAILURE"}};
     // clang-format on
     for (const auto& item : items) {
-        const Job job = item.get<Job>();
+        const ShownJob job = item.get<ShownJob>();
         rows.push_back({job.id,
                         job.dive_id,
                         std::string(to_string(job.kind)),
@@ -56,6 +57,7 @@ int list_jobs(client::RestClient& rest, const JobsOptions& options, const Contex
                         std::string(verdict_of(job)),
                         std::to_string(job.num_attempts),
                         job.forecast ? std::to_string(job.forecast->position) : "",
+                        job.waits_for,
                         time_text(job.created_at_ms),
                         job.failure.message});
     }

@@ -66,6 +66,12 @@ Queue wait_until_drained(client::RestClient& rest, const QueueOptions& options) 
     }
 }
 
+std::string state_text(const Worker& worker) {
+    if (!worker.alive) return "lost";
+    if (worker.draining) return "draining";
+    return worker.waits_for.empty() ? "alive" : "waits for " + worker.waits_for;
+}
+
 int list_workers(client::RestClient& rest, const Context& context) {
     const auto items = rest.list("/api/v1/workers", {});
     if (context.json) {
@@ -78,9 +84,7 @@ int list_workers(client::RestClient& rest, const Context& context) {
         rows.push_back({worker.name,
                         std::to_string(worker.num_running),
                         std::to_string(worker.num_slots),
-                        !worker.alive     ? "lost"
-                        : worker.draining ? "draining"
-                                          : "alive",
+                        state_text(worker),
                         time_text(worker.seen_at_ms)});
     }
     std::cout << table_text(rows);

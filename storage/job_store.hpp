@@ -146,6 +146,9 @@ public:
               const std::optional<UnreadableTruth>& unreadable = std::nullopt,
               const PartialResult& partial = {});
     bool release(const Lease& lease);  // graceful shutdown: back to queued, not counted
+    // Ends an attempt that failed because of its worker: back to queued after a growing pause, not
+    // counted.
+    bool return_to_queue(const Lease& lease, const Failure& failure);
 
     // Does what claim() does first, for times when no worker claims. Returns how many jobs lost
     // their lease.

@@ -3,6 +3,7 @@
 #include "schemas/error.hpp"
 #include "schemas/job_state.hpp"
 #include "storage/sql.hpp"
+#include "storage/wait_reasons.hpp"
 
 namespace divemesh::storage {
 namespace {
@@ -43,6 +44,12 @@ Queue QueueStore::get(const std::string& project) {
     Queue queue;
     catalog_.read([&](soci::session& session) { queue = read_queue(session, project); });
     return queue;
+}
+
+std::string QueueStore::waits_for() {
+    std::string reason;
+    catalog_.read([&](soci::session& session) { reason = WaitReasons(session).of_queue(); });
+    return reason;
 }
 
 Queue QueueStore::change(const std::string& project, const QueueChange& change) {

@@ -19,6 +19,8 @@ public:
     explicit QueueStore(Catalog& catalog) : catalog_(catalog) {}
 
     Queue get(const std::string& project);
+    // Returns why no job of any project starts, a word of WaitReason; "": jobs start.
+    std::string waits_for();
     // Running jobs continue. Throws Error{InvalidArgument} for a limit below 0.
     Queue change(const std::string& project, const QueueChange& change);
 

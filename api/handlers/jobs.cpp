@@ -15,6 +15,7 @@
 #include "api/visible.hpp"
 #include "schemas/json.hpp"
 #include "schemas/reconstruction_options.hpp"
+#include "schemas/shown_job.hpp"
 #include "storage/job_store.hpp"
 
 namespace divemesh::api {
@@ -79,11 +80,17 @@ int attempt_number(const Request& request) {
     return static_cast<int>(*number);
 }
 
+// Adds to a job what is not stored: when it starts, or why not.
+ShownJob shown(Job job, const Services& services, storage::Catalog& catalog) {
+    ShownJob shown{std::move(job), {}};
+    shown.forecast = services.forecast.of(shown, catalog);
+    shown.waits_for = services.forecast.waits_for(shown, catalog);
+    return shown;
+}
+
 // Returns the job as GET shows it.
-Job shown_job(const Request& request, const Services& services, storage::Catalog& catalog) {
-    Job job = visible_job(request, catalog);
-    job.forecast = services.forecast.of(job, catalog);
-    return job;
+ShownJob shown_job(const Request& request, const Services& services, storage::Catalog& catalog) {
+    return shown(visible_job(request, catalog), services, catalog);
 }
 
 storage::Catalog audited_if_job_matches(const Services& services, const Request& request) {
@@ -105,8 +112,9 @@ Awaitable<Response> list_jobs(Request request, Services services) {
     auto read = [services](const Request& asked, storage::Catalog& catalog) {
         const auto filter = filter_of(asked);
         auto jobs = storage::JobStore(catalog).list(filter, page_request(asked));
-        for (Job& job : jobs.items) job.forecast = services.forecast.of(job, catalog);
-        return jobs;
+        storage::Page<ShownJob> page{.items = {}, .next_cursor = std::move(jobs.next_cursor)};
+        for (Job& job : jobs.items) page.items.push_back(shown(std::move(job), services, catalog));
+        return page;
     };
     return get_page(std::move(request), services, read);
 }
