@@ -119,11 +119,16 @@ void from_json(const nlohmann::json& json, Job& job) {
 void to_json(nlohmann::json& json, const ShownJob& job) {
     json = static_cast<const Job&>(job);
     if (!job.waits_for.empty()) json["waits_for"] = job.waits_for;
+    if (job.deleted_at_ms == 0) return;
+    json["deleted_at_ms"] = job.deleted_at_ms;
+    json["expires_at_ms"] = job.expires_at_ms;
 }
 
 void from_json(const nlohmann::json& json, ShownJob& job) {
     json.get_to(static_cast<Job&>(job));
     job.waits_for = json.value("waits_for", "");
+    job.deleted_at_ms = json.value("deleted_at_ms", std::int64_t{0});
+    job.expires_at_ms = json.value("expires_at_ms", std::int64_t{0});
 }
 
 void to_json(nlohmann::json& json, const Attempt& attempt) {
@@ -151,6 +156,7 @@ void to_json(nlohmann::json& json, const Queue& queue) {
     json = {{"project", queue.project},
             {"paused", queue.paused},
             {"max_running", queue.max_running},
+            {"keep_results", queue.keep_results},
             {"num_jobs", queue.num_jobs}};
 }
 
@@ -158,6 +164,7 @@ void from_json(const nlohmann::json& json, Queue& queue) {
     json.at("project").get_to(queue.project);
     json.at("paused").get_to(queue.paused);
     json.at("max_running").get_to(queue.max_running);
+    json.at("keep_results").get_to(queue.keep_results);
     json.at("num_jobs").get_to(queue.num_jobs);
 }
 

@@ -102,6 +102,7 @@ template <>
 nlohmann::json with_all_fields<ShownJob>() {
     ShownJob job;
     job.waits_for = to_string(WaitReason::Parent);
+    job.deleted_at_ms = job.expires_at_ms = 1;
     return job;
 }
 

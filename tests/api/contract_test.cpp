@@ -101,6 +101,7 @@ TEST(ContractTest, DescribesTheKeysThatOurTypesHave) {
                                                             {"WebhookDelivery", WebhookDelivery{}}};
     ShownJob waiting_job;
     waiting_job.waits_for = "disk";
+    waiting_job.deleted_at_ms = 1;
     Worker waiting_worker;
     waiting_worker.waits_for = "disk";
     // The types with keys that may be absent, with all of them.
