@@ -1,10 +1,18 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 
 #include "api/services.hpp"
 
 namespace divemesh::api {
+
+// Returns the free bytes of the disk. If there are fewer than `wanted_bytes`, what can be computed
+// again is given up first. Blocks.
+std::int64_t free_bytes(const Services& services, std::int64_t wanted_bytes);
+
+// Returns whether new work may begin. Blocks.
+bool has_room(const Services& services);
 
 // Refuses new work before the disk is full, so that reading and deleting still work. Throws
 // Error{OutOfSpace}. Blocks: run it in the pool.

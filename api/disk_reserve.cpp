@@ -10,23 +10,18 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Enough for the catalog's log to note the deletion of a hundred dives.
-constexpr std::int64_t kReserveBytes = std::int64_t{8} << 20;
-
 }  // namespace
 
 void DiskReserve::hold(std::int64_t min_free_bytes) {
     const std::lock_guard lock(mutex_);
     std::error_code failure;
-    if (fs::file_size(file_, failure) == static_cast<std::uintmax_t>(kReserveBytes) && !failure)
-        return;
+    if (fs::file_size(file_, failure) == static_cast<std::uintmax_t>(kBytes) && !failure) return;
     const auto space = fs::space(file_.parent_path(), failure);
-    if (failure || space.available < static_cast<std::uintmax_t>(min_free_bytes + kReserveBytes))
-        return;
+    if (failure || space.available < static_cast<std::uintmax_t>(min_free_bytes + kBytes)) return;
     const FileDescriptor file(
         ::open(file_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600));
     if (!file.is_open()) return;
-    if (::posix_fallocate(file.get(), 0, kReserveBytes) != 0) fs::remove(file_, failure);
+    if (::posix_fallocate(file.get(), 0, kBytes) != 0) fs::remove(file_, failure);
 }
 
 bool DiskReserve::release() {

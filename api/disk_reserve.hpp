@@ -10,6 +10,9 @@ namespace divemesh::api {
 // without content beside the catalog. Thread-safe.
 class DiskReserve {
 public:
+    // Enough for the catalog's log to note the deletion of a hundred dives.
+    static constexpr std::int64_t kBytes = std::int64_t{8} << 20;
+
     explicit DiskReserve(std::filesystem::path file) : file_(std::move(file)) {}
 
     // Reserves the space unless it is reserved already or less than `min_free_bytes` would be left.

@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/audit.hpp"
+#include "api/disk_guard.hpp"
 #include "api/disk_reserve.hpp"
 #include "api/sensors/sensor_hub.hpp"
 #include "api/uploads/make_truth.hpp"
@@ -10,6 +11,7 @@
 #include "storage/dive_removal.hpp"
 #include "storage/job_store.hpp"
 #include "storage/leftovers.hpp"
+#include "storage/result_removal.hpp"
 #include "storage/schedule_store.hpp"
 #include "storage/sensor_store.hpp"
 #include "storage/webhook_store.hpp"
@@ -34,6 +36,14 @@ void remove_expired_dives(const Services& services) {
     }
 }
 
+void remove_expired_results(const Services& services) {
+    storage::ResultRemoval removal(services.catalog);
+    for (const std::string& job_id : removal.expired(kPerRound)) {
+        services.blobs.remove_prefix("jobs/" + job_id + "/");
+        removal.forget(job_id);
+    }
+}
+
 namespace {
 
 template <typename Task>
@@ -50,8 +60,15 @@ void attempt(const char* task_name, const Services& services, const Task& task) 
 
 void clean_up(const Services& services) {
     auto& catalog = services.catalog;
-    attempt("reserve", services, [&] { services.reserve.hold(services.limits.min_free_bytes); });
+    attempt("reserve", services, [&] {
+        free_bytes(services, services.limits.min_free_bytes + DiskReserve::kBytes);
+        services.reserve.hold(services.limits.min_free_bytes);
+    });
     attempt("dives", services, [&] { remove_expired_dives(services); });
+    attempt("results", services, [&] {
+        storage::ResultRemoval(catalog).remove_old(services.limits.keep_deleted);
+        remove_expired_results(services);
+    });
     attempt("truth", services, [&] { remove_deleted_truth(services); });
     attempt("attempts", services, [&] {
         storage::remove_leftovers(catalog, services.blobs, kLeftoversKept, kPerRound);

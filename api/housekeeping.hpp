@@ -8,7 +8,11 @@ namespace divemesh::api {
 // Blocks: run it in the pool.
 void remove_expired_dives(const Services& services);
 
-// Does one round of removing what has expired: deleted dives, blobs of attempts without a result,
+// Removes the artifacts of expired deleted results. Blocks as above.
+void remove_expired_results(const Services& services);
+
+// Does one round of removing what has expired: deleted dives and results, and results that projects
+// do not want to keep, blobs of attempts without a result,
 // old events, the log of webhooks, the history of sensors. Logs a failure and retries it in the
 // next round. Blocks: run it in the pool.
 void clean_up(const Services& services);

@@ -2,10 +2,12 @@
 
 #include <exception>
 
+#include "api/disk_guard.hpp"
+#include "api/services.hpp"
 #include "schemas/error.hpp"
-#include "storage/blob_store.hpp"
-#include "storage/catalog.hpp"
+#include "storage/data_id.hpp"
 #include "storage/ids.hpp"
+#include "storage/queue_store.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -37,24 +39,30 @@ std::string failure_of(const std::string& name, const Check& check) {
 
 }  // namespace
 
-Readiness::Result Readiness::check(storage::Catalog& catalog,
-                                   storage::BlobStore& blobs,
-                                   std::int64_t min_free_bytes) {
+Readiness::Result Readiness::check(const Services& services) {
+    const std::int64_t min_free_bytes = services.limits.min_free_bytes;
     const std::lock_guard lock(mutex_);
     if (std::chrono::steady_clock::now() < next_poll_) return last_;
     Result result;
-    result.failure = failure_of("catalog", [&] { catalog.require_writable(); });
+    result.failure = failure_of("catalog", [&] { services.catalog.require_writable(); });
     if (result.failure.empty())
-        result.failure = failure_of("blob store", [&] { probe_blobs(blobs); });
+        result.failure = failure_of("blob store", [&] {
+            storage::require_same_data(services.catalog, services.blobs);
+            probe_blobs(services.blobs);
+        });
     if (result.failure.empty())
         result.failure = failure_of("disk", [&] {
-            result.free_bytes = blobs.free_bytes();
+            result.free_bytes = free_bytes(services, min_free_bytes);
             if (result.free_bytes < min_free_bytes)
                 throw Error(ErrorCode::OutOfSpace,
                             std::to_string(result.free_bytes >> 20) +
                                 " MiB are free, less than the " +
                                 std::to_string(min_free_bytes >> 20) +
                                 " MiB to keep free: free some space");
+        });
+    if (result.failure.empty())
+        result.failure = failure_of("queue", [&] {
+            result.queue_waits_for = storage::QueueStore(services.catalog).waits_for();
         });
     last_ = result;
     next_poll_ = std::chrono::steady_clock::now() + 1s;

@@ -5,12 +5,9 @@
 #include <mutex>
 #include <string>
 
-namespace divemesh::storage {
-class BlobStore;
-class Catalog;
-}  // namespace divemesh::storage
-
 namespace divemesh::api {
+
+struct Services;
 
 // Checks whether the server can work: the catalog has this version and accepts a write, the blob
 // store accepts a file, and the disk has room. Anybody may ask, so the check runs once a second at
@@ -19,11 +16,12 @@ class Readiness {
 public:
     struct Result {
         std::int64_t free_bytes = 0;
-        std::string failure;  // the check that failed, and why; "": ready
+        std::string failure;          // the check that failed, and why; "": ready
+        std::string queue_waits_for;  // why no job starts, see WaitReason; "": jobs start
     };
 
     // Blocks: run it in the pool.
-    Result check(storage::Catalog& catalog, storage::BlobStore& blobs, std::int64_t min_free_bytes);
+    Result check(const Services& services);
 
 private:
     std::mutex mutex_;

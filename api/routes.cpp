@@ -11,6 +11,7 @@
 #include "api/handlers/metrics.hpp"
 #include "api/handlers/previews.hpp"
 #include "api/handlers/queue.hpp"
+#include "api/handlers/result_removal.hpp"
 #include "api/handlers/schedules.hpp"
 #include "api/handlers/sensors.hpp"
 #include "api/handlers/tokens.hpp"
@@ -56,6 +57,8 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/api/v1/jobs",                   "dives:read",  list_jobs},
     {Plain,      verb::get,     "/api/v1/jobs/{job_id}",          "dives:read",  get_job},
     {Plain,      verb::patch,   "/api/v1/jobs/{job_id}",          "jobs:write",  change_job},
+    {Plain,      verb::delete_, "/api/v1/jobs/{job_id}",          "jobs:write",  delete_job},
+    {Plain,      verb::post,    "/api/v1/jobs/{job_id}/restore",  "jobs:write",  restore_job},
     {Plain,      verb::post,    "/api/v1/jobs/{job_id}/cancel",   "jobs:write",  cancel_job},
     {Plain,      verb::post,    "/api/v1/jobs/{job_id}/retry",    "jobs:write",  retry_job},
     {Plain,      verb::get,     "/api/v1/jobs/{job_id}/log",      "dives:read",  get_job_log},

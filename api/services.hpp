@@ -4,6 +4,7 @@
 #include <boost/asio/thread_pool.hpp>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -60,6 +61,8 @@ struct Services {
     DiskReserve& reserve;
     ReportQueue& reports;  // of sensors
     SensorHub& sensor_hub;
+    // Gives up what can be computed again until the disk has so many bytes free; may be empty.
+    const std::function<void(std::int64_t)>& make_room;
     const std::atomic<bool>& stopping;  // long work in the pool gives up once it is true
     const ServiceLimits& limits;
     bool no_auth = false;

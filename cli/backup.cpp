@@ -8,6 +8,7 @@
 #include "cli/exit_code.hpp"
 #include "cli/text.hpp"
 #include "schemas/error.hpp"
+#include "storage/data_id.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -34,8 +35,10 @@ void say(const storage::BackupSummary& summary, const Context& context) {
 }
 
 int back_up(const BackupOptions& options, const Context& context) {
-    storage::Catalog catalog(catalog_url(options.data));
-    const auto blobs = storage::open_blob_store(blobs_url(options.data));
+    storage::Catalog catalog(catalog_url(options.data), storage::Opening::ExistingOnly);
+    const auto blobs =
+        storage::open_blob_store(blobs_url(options.data), storage::Opening::ExistingOnly);
+    storage::require_same_data(catalog, *blobs);
     say(storage::write_backup(catalog, *blobs, options.file), context);
     return kExitDone;
 }
@@ -53,9 +56,11 @@ void add(CLI::App& app,
          Context& context,
          const char* name,
          const char* help,
+         bool existing_only,
          int (*run)(const BackupOptions&, const Context&)) {
     auto* command = app.add_subcommand(name, help);
     auto options = std::make_shared<BackupOptions>();
+    options->data.existing_only = existing_only;
     add_data_options(*command, options->data);
     command->add_option("file", options->file, "backup file (tar)")->required();
     command->callback([options, &context, run] {
@@ -70,11 +75,12 @@ void add_backup(CLI::App& app, Context& context) {
         context,
         "backup",
         "copy catalog and blobs into one file while the server runs",
+        true,
         back_up);
 }
 
 void add_restore(CLI::App& app, Context& context) {
-    add(app, context, "restore", "restore a backup into an empty data folder", restore);
+    add(app, context, "restore", "restore a backup into an empty data folder", false, restore);
 }
 
 }  // namespace divemesh::cli

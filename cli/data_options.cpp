@@ -7,20 +7,30 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Creates the folder and returns its absolute path, because child processes run elsewhere.
+// Returns the absolute path of the folder, because child processes run elsewhere. Creates it if it
+// may.
 fs::path data_folder(const DataOptions& options, const std::string& instead) {
     if (options.data.empty())
         throw Error(ErrorCode::InvalidArgument,
                     "no data folder: give --data DIR or " + instead + " URL");
-    fs::create_directories(options.data);
+    if (!options.existing_only)
+        fs::create_directories(options.data);
+    else if (!fs::is_directory(options.data))
+        throw Error(ErrorCode::NotFound,
+                    "there is no data folder " + fs::absolute(options.data).string() +
+                        ": give the --data of the server, mount its disk, or start the server "
+                        "first, which creates it");
     return fs::canonical(options.data);
 }
 
 }  // namespace
 
 void add_data_options(CLI::App& command, DataOptions& options) {
-    command.add_option(
-        "--data", options.data, "data folder, created if missing; holds catalog and blobs");
+    command.add_option("--data",
+                       options.data,
+                       options.existing_only
+                           ? "data folder of a server; holds catalog and blobs"
+                           : "data folder, created if missing; holds catalog and blobs");
     command.add_option(
         "--catalog", options.catalog, "URL of the database: sqlite:///path/catalog.db");
     command.add_option("--blobs", options.blobs, "URL of archives and artifacts: file:///path");

@@ -83,11 +83,14 @@ Job wait_for_job(api::client::RestClient& rest, const std::string& job_id) {
     return api::client::follow_job(
         rest,
         job_id,
-        [&](const Job& job) {
+        [&](const ShownJob& job) {
             if (job.state == JobState::Running && !job.progress.stage.empty())
                 show_progress(bar, job.progress);
             else
-                bar.show("job " + job.id + ": " + std::string(to_string(job.state)), -1.0, "");
+                bar.show("job " + job.id + ": " + std::string(to_string(job.state)) +
+                             (job.waits_for.empty() ? "" : ", waits for " + job.waits_for),
+                         -1.0,
+                         "");
         },
         say_waiting(bar));
 }

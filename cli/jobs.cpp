@@ -9,6 +9,7 @@
 #include "cli/server_options.hpp"
 #include "cli/text.hpp"
 #include "schemas/json.hpp"
+#include "schemas/shown_job.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -25,6 +26,9 @@ struct JobsOptions {
     bool wait = false;
     bool pause = false;
     bool resume = false;
+    bool deleted = false;  // list those whose result was deleted
+    bool remove = false;
+    bool restore = false;
     std::optional<int> priority;
 };
 
@@ -37,16 +41,17 @@ int list_jobs(client::RestClient& rest, const JobsOptions& options, const Contex
     if (!options.dive_id.empty()) query.emplace_back("dive_id", options.dive_id);
     if (!options.state.empty())
         query.emplace_back("state", to_string(job_state_from_string(options.state)));
+    if (options.deleted) query.emplace_back("deleted", "true");
     const auto items = rest.list("/api/v1/jobs", query);
     if (context.json) {
         std::cout << nlohmann::json(items).dump(2) << '\n';
         return kExitDone;
     }
     std::vector<std::vector<std::string>> rows = {// clang-format off
-        {"ID", "DIVE", "KIND", "PRESET", "STATE", "DONE", "VERDICT", "TRIES", "PLACE", "CREATED", "FAILURE"}};
+        {"ID", "DIVE", "KIND", "PRESET", "STATE", "DONE", "VERDICT", "TRIES", "PLACE", "WAITS FOR", "CREATED", "FAILURE"}};
     // clang-format on
     for (const auto& item : items) {
-        const Job job = item.get<Job>();
+        const ShownJob job = item.get<ShownJob>();
         rows.push_back({job.id,
                         job.dive_id,
                         std::string(to_string(job.kind)),
@@ -56,6 +61,7 @@ int list_jobs(client::RestClient& rest, const JobsOptions& options, const Contex
                         std::string(verdict_of(job)),
                         std::to_string(job.num_attempts),
                         job.forecast ? std::to_string(job.forecast->position) : "",
+                        job.waits_for,
                         time_text(job.created_at_ms),
                         job.failure.message});
     }
@@ -68,6 +74,9 @@ void change_job(client::RestClient& rest, const JobsOptions& options) {
     if (options.pause || options.resume) body["paused"] = options.pause;
     if (options.priority) body["priority"] = *options.priority;
     if (!body.empty()) rest.patch(client::job_path(options.job_id), body);
+    if (options.remove) rest.remove(client::job_path(options.job_id));
+    if (options.restore)
+        rest.post(client::job_path(options.job_id) + "/restore", nlohmann::json::object());
 }
 
 int show_job(client::RestClient& rest, const JobsOptions& options) {
@@ -131,6 +140,9 @@ void add_jobs(CLI::App& app, Context& context) {
     command->add_flag("--wait", options->wait, "wait until the job has finished");
     auto* pause = command->add_flag("--pause", options->pause, "hold a queued job");
     command->add_flag("--resume", options->resume, "release a held job")->excludes(pause);
+    command->add_flag("--deleted", options->deleted, "list only jobs whose result was deleted");
+    auto* remove = command->add_flag("--delete", options->remove, "delete the result of a finished job; it can be restored for a while");
+    command->add_flag("--restore", options->restore, "restore a deleted result")->excludes(remove);
     command->add_option("--priority", options->priority, "priority of a queued job; one step counts as ten minutes of waiting")->check(CLI::Range(-100, 100));
     // clang-format on
     command->callback([options, &context] {

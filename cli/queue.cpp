@@ -22,6 +22,7 @@ struct QueueOptions {
     bool resume = false;
     bool wait = false;
     std::optional<int> max_running;
+    std::optional<int> keep_results;
     std::optional<int> redrive;
 };
 
@@ -38,6 +39,8 @@ void show(const Queue& queue, const Context& context) {
     std::cout << (queue.project.empty() ? "all projects" : "project " + queue.project)
               << (queue.paused ? ", paused" : "");
     if (queue.max_running > 0) std::cout << ", " << queue.max_running << " at a time";
+    if (queue.keep_results > 0)
+        std::cout << ", keeps " << queue.keep_results << " results of a dive";
     std::cout << '\n';
     for (const auto& [state, count] : queue.num_jobs)
         std::cout << "  " << state << ' ' << count << '\n';
@@ -47,6 +50,7 @@ void change(client::RestClient& rest, const QueueOptions& options) {
     nlohmann::json body = {{"project", options.project}};
     if (options.pause || options.resume) body["paused"] = options.pause;
     if (options.max_running) body["max_running"] = *options.max_running;
+    if (options.keep_results) body["keep_results"] = *options.keep_results;
     if (body.size() > 1) rest.patch("/api/v1/queue", body);
 }
 
@@ -66,6 +70,12 @@ Queue wait_until_drained(client::RestClient& rest, const QueueOptions& options) 
     }
 }
 
+std::string state_text(const Worker& worker) {
+    if (!worker.alive) return "lost";
+    if (worker.draining) return "draining";
+    return worker.waits_for.empty() ? "alive" : "waits for " + worker.waits_for;
+}
+
 int list_workers(client::RestClient& rest, const Context& context) {
     const auto items = rest.list("/api/v1/workers", {});
     if (context.json) {
@@ -78,9 +88,7 @@ int list_workers(client::RestClient& rest, const Context& context) {
         rows.push_back({worker.name,
                         std::to_string(worker.num_running),
                         std::to_string(worker.num_slots),
-                        !worker.alive     ? "lost"
-                        : worker.draining ? "draining"
-                                          : "alive",
+                        state_text(worker),
                         time_text(worker.seen_at_ms)});
     }
     std::cout << table_text(rows);
@@ -100,6 +108,7 @@ void add_queue(CLI::App& app, Context& context) {
     command->add_flag("--resume", options->resume, "start jobs again")->excludes(pause);
     command->add_flag("--wait", options->wait, "wait until no job is running (drained)");
     command->add_option("--max-running", options->max_running, "max jobs at a time; 0: no limit")->check(CLI::Range(0, 1'000'000));
+    command->add_option("--keep-results", options->keep_results, "results of each dive and kind to keep, the newest; 0: all")->check(CLI::Range(0, 1'000'000));
     command->add_option("--redrive", options->redrive, "put up to this many dead jobs back into the queue")->check(CLI::Range(1, 1000));
     // clang-format on
     command->callback([options, &context] {

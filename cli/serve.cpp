@@ -1,3 +1,5 @@
+#include <filesystem>
+#include <functional>
 #include <memory>
 
 #include "cli/command.hpp"
@@ -5,8 +7,20 @@
 #include "cli/exit_code.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "server/server.hpp"
+#include "worker/base/cache_folder.hpp"
 
 namespace divemesh::cli {
+namespace {
+
+// Returns what gives up the workers' cache of stages for space on the disk.
+std::function<void(std::int64_t)> room_maker(const std::filesystem::path& cache) {
+    return [cache](std::int64_t wanted_free_bytes) {
+        if (base::reachable_free_bytes(cache) >= wanted_free_bytes)
+            base::make_room(cache, wanted_free_bytes);
+    };
+}
+
+}  // namespace
 
 void add_serve(CLI::App& app, Context& context) {
     struct Options {
@@ -54,6 +68,7 @@ void add_serve(CLI::App& app, Context& context) {
             }
             config.catalog_url = catalog_url(options->data);
             config.blobs_url = blobs_url(options->data);
+            config.make_room = room_maker(cache_folder(options->data));
             config.upload_lifetime = std::chrono::milliseconds(
                 static_cast<std::int64_t>(options->upload_lifetime_h * 3600000.0));
             server::run_server(config);

@@ -52,7 +52,7 @@ int create_token(const TokenOptions& options, const Context& context) {
 }
 
 int list_tokens(const TokenOptions& options, const Context& context) {
-    storage::Catalog catalog(catalog_url(options.data));
+    storage::Catalog catalog(catalog_url(options.data), storage::Opening::ExistingOnly);
     const auto tokens = storage::TokenStore(catalog).list();
     if (context.json) {
         std::cout << nlohmann::json(tokens).dump(2) << '\n';
@@ -78,7 +78,7 @@ int list_tokens(const TokenOptions& options, const Context& context) {
 }
 
 int revoke_token(const TokenOptions& options) {
-    const storage::Catalog catalog(catalog_url(options.data));
+    const storage::Catalog catalog(catalog_url(options.data), storage::Opening::ExistingOnly);
     auto noted = api::audited(catalog, by_whom(), "token revoke " + options.id);
     storage::TokenStore(noted).revoke(options.id);
     return kExitDone;

@@ -17,7 +17,7 @@ constexpr std::int64_t kCache_bytes = std::int64_t{20} << 30;
 
 void add_worker(CLI::App& app, Context& context) {
     struct Options {
-        DataOptions data;
+        DataOptions data{.existing_only = true};
         runner::WorkerConfig config{.cache_bytes = kCache_bytes};
     };
     auto* command = app.add_subcommand("worker", "run jobs from a catalog");

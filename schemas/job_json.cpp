@@ -1,5 +1,6 @@
 // The JSON of jobs and their attempts, of the queue and of workers.
 #include "schemas/json.hpp"
+#include "schemas/shown_job.hpp"
 
 namespace divemesh {
 
@@ -44,15 +45,15 @@ void from_json(const nlohmann::json& json, StageRun& stage) {
 }
 
 void to_json(nlohmann::json& json, const Forecast& forecast) {
-    json = {{"position", forecast.position},
-            {"starts_in_s", forecast.starts_in_s},
-            {"takes_s", forecast.takes_s}};
+    json = {{"position", forecast.position}};
+    if (forecast.starts_in_s >= 0.0) json["starts_in_s"] = forecast.starts_in_s;
+    if (forecast.takes_s >= 0.0) json["takes_s"] = forecast.takes_s;
 }
 
 void from_json(const nlohmann::json& json, Forecast& forecast) {
     json.at("position").get_to(forecast.position);
-    json.at("starts_in_s").get_to(forecast.starts_in_s);
-    json.at("takes_s").get_to(forecast.takes_s);
+    forecast.starts_in_s = json.value("starts_in_s", -1.0);
+    forecast.takes_s = json.value("takes_s", -1.0);
 }
 
 void to_json(nlohmann::json& json, const Job& job) {
@@ -115,6 +116,21 @@ void from_json(const nlohmann::json& json, Job& job) {
     json.at("finished_at_ms").get_to(job.finished_at_ms);
 }
 
+void to_json(nlohmann::json& json, const ShownJob& job) {
+    json = static_cast<const Job&>(job);
+    if (!job.waits_for.empty()) json["waits_for"] = job.waits_for;
+    if (job.deleted_at_ms == 0) return;
+    json["deleted_at_ms"] = job.deleted_at_ms;
+    json["expires_at_ms"] = job.expires_at_ms;
+}
+
+void from_json(const nlohmann::json& json, ShownJob& job) {
+    json.get_to(static_cast<Job&>(job));
+    job.waits_for = json.value("waits_for", "");
+    job.deleted_at_ms = json.value("deleted_at_ms", std::int64_t{0});
+    job.expires_at_ms = json.value("expires_at_ms", std::int64_t{0});
+}
+
 void to_json(nlohmann::json& json, const Attempt& attempt) {
     json = {{"job_id", attempt.job_id},
             {"number", attempt.number},
@@ -140,6 +156,7 @@ void to_json(nlohmann::json& json, const Queue& queue) {
     json = {{"project", queue.project},
             {"paused", queue.paused},
             {"max_running", queue.max_running},
+            {"keep_results", queue.keep_results},
             {"num_jobs", queue.num_jobs}};
 }
 
@@ -147,6 +164,7 @@ void from_json(const nlohmann::json& json, Queue& queue) {
     json.at("project").get_to(queue.project);
     json.at("paused").get_to(queue.paused);
     json.at("max_running").get_to(queue.max_running);
+    json.at("keep_results").get_to(queue.keep_results);
     json.at("num_jobs").get_to(queue.num_jobs);
 }
 
@@ -158,6 +176,7 @@ void to_json(nlohmann::json& json, const Worker& worker) {
             {"alive", worker.alive},
             {"started_at_ms", worker.started_at_ms},
             {"seen_at_ms", worker.seen_at_ms}};
+    if (!worker.waits_for.empty()) json["waits_for"] = worker.waits_for;
 }
 
 void from_json(const nlohmann::json& json, Worker& worker) {
@@ -166,6 +185,7 @@ void from_json(const nlohmann::json& json, Worker& worker) {
     json.at("num_running").get_to(worker.num_running);
     json.at("draining").get_to(worker.draining);
     json.at("alive").get_to(worker.alive);
+    worker.waits_for = json.value("waits_for", "");
     json.at("started_at_ms").get_to(worker.started_at_ms);
     json.at("seen_at_ms").get_to(worker.seen_at_ms);
 }

@@ -12,6 +12,7 @@ struct Worker {
     int num_running = 0;
     bool draining = false;  // finishes its jobs and takes no more
     bool alive = false;     // heard of recently
+    std::string waits_for;  // why it takes no jobs: a word of WaitReason; "": it takes them
     std::int64_t started_at_ms = 0;
     std::int64_t seen_at_ms = 0;
 };

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "api/disk_guard.hpp"
 #include "api/disk_reserve.hpp"
 #include "api/housekeeping.hpp"
 #include "api/idempotency.hpp"
@@ -33,6 +34,7 @@
 #include "server/listen_address.hpp"
 #include "server/tls.hpp"
 #include "server/webhook_sender.hpp"
+#include "storage/data_id.hpp"
 #include "storage/token_store.hpp"
 
 namespace divemesh::server {
@@ -105,6 +107,18 @@ void reject(tcp::socket& socket) {
     socket.read_some(asio::buffer(request), ignored);
 }
 
+// Opens the blobs that belong to the catalog. Once they do, they are not created anew in a folder
+// whose disk is not mounted.
+std::unique_ptr<storage::BlobStore> open_blobs(const ServerConfig& config,
+                                               storage::Catalog& catalog) {
+    auto blobs =
+        storage::open_blob_store(config.blobs_url,
+                                 storage::has_data_id(catalog) ? storage::Opening::ExistingOnly
+                                                               : storage::Opening::CreateIfMissing);
+    storage::claim_data(catalog, *blobs);
+    return blobs;
+}
+
 // Without tokens everybody on the network could do everything, so only this machine may be served.
 std::string admit(const ServerConfig& config, bool loopback, storage::Catalog& catalog) {
     if (config.no_auth && !loopback)
@@ -127,7 +141,7 @@ struct Server::Implementation {
         : config(with_defaults(std::move(given))),
           endpoint(parse_listen_address(config.listen)),
           catalog(config.catalog_url),
-          blobs(storage::open_blob_store(config.blobs_url)),
+          blobs(open_blobs(config, catalog)),
           first_token(admit(config, endpoint.address().is_loopback(), catalog)),
           pool(static_cast<std::size_t>(config.num_blocking_threads)),
           events(catalog, pool),
@@ -155,6 +169,7 @@ struct Server::Implementation {
                                reserve,
                                reports,
                                sensor_hub,
+                               config.make_room,
                                stopping,
                                limits,
                                config.no_auth};
@@ -195,7 +210,7 @@ struct Server::Implementation {
     asio::thread_pool pool;
     api::SensorHub sensor_hub;
     api::ReportQueue reports{
-        catalog, pool, sensor_hub, [this] { return blobs->free_bytes() >= config.min_free_bytes; }};
+        catalog, pool, sensor_hub, [this] { return api::has_room(context().services); }};
     EventHub events;
     api::UploadLocks locks;
     WebhookSender webhooks{context().services};

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -36,6 +37,9 @@ struct ServerConfig {
     std::filesystem::path tls_key;
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // disk space that is never used
+    // Gives up what can be computed again until the disk has so many bytes free, or does nothing if
+    // that is not enough; may be empty.
+    std::function<void(std::int64_t)> make_room = {};
     std::chrono::milliseconds upload_lifetime = std::chrono::hours(168);  // without a byte
     std::int64_t max_open_uploads = 1000;                                 // of one project
     std::int64_t max_token_uploads = 200;      // open uploads of one token
@@ -57,7 +61,8 @@ struct ServerConfig {
 
 // Serves the API. The constructor opens catalog, blob store and port, and creates the first token.
 // Throws Error{InvalidArgument} for an invalid address, and, on addresses other than loopback, for
-// no_auth and for a catalog without a token; Error{Unavailable} if the port is in use.
+// no_auth and for a catalog without a token; Error{Conflict} if catalog and blobs do not belong
+// together; Error{Unavailable} if the port is in use.
 class Server {
 public:
     explicit Server(ServerConfig config);

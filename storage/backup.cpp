@@ -12,6 +12,7 @@
 
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
+#include "storage/data_id.hpp"
 #include "storage/directory_files.hpp"
 #include "storage/ids.hpp"
 #include "storage/sql.hpp"
@@ -313,6 +314,10 @@ BackupSummary read_backup(const fs::path& file, const fs::path& catalog_file, Bl
     }
     check_end(tar, name, summary.num_blobs);
     summary.num_missing = static_cast<std::int64_t>(named.size());
+    {
+        Catalog catalog("sqlite://" + fs::absolute(part.path()).string());
+        adopt_blobs(catalog, blobs);
+    }
     part.become(catalog_file);
     return summary;
 }

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "storage/opening.hpp"
+
 namespace divemesh::storage {
 
 // An upload's bytes while they arrive. write() appends in memory or page cache; flush() makes all
@@ -59,9 +61,17 @@ public:
     // Returns the names directly below a prefix that ends with a slash.
     virtual std::vector<std::string> children(const std::string& prefix) = 0;
     virtual std::int64_t free_bytes() = 0;
+
+    // The id by which the store belongs to a catalog (storage/data_id.hpp), read anew each time;
+    // "": it has none, or is not there.
+    virtual std::string data_id() = 0;
+    virtual void set_data_id(const std::string& id) = 0;  // durable when it returns
+    virtual std::string location() const = 0;             // for messages
 };
 
-// Opens `file:///path` or a plain path. Throws Error{InvalidArgument} for an unsupported scheme.
-std::unique_ptr<BlobStore> open_blob_store(const std::string& url);
+// Opens `file:///path` or a plain path. Throws Error{InvalidArgument} for an unsupported scheme,
+// Error{Unavailable} if there is no store and none may be created.
+std::unique_ptr<BlobStore> open_blob_store(const std::string& url,
+                                           Opening opening = Opening::CreateIfMissing);
 
 }  // namespace divemesh::storage

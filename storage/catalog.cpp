@@ -15,10 +15,10 @@ namespace {
 
 constexpr std::size_t kMaxConnections = 16;
 
-std::unique_ptr<Engine> make_engine(const std::string& url) {
+std::unique_ptr<Engine> make_engine(const std::string& url, Opening opening) {
     static const std::string kSqlite = "sqlite://";
-    if (url.starts_with(kSqlite)) return make_sqlite_engine(url.substr(kSqlite.size()));
-    if (url.find("://") == std::string::npos) return make_sqlite_engine(url);
+    if (url.starts_with(kSqlite)) return make_sqlite_engine(url.substr(kSqlite.size()), opening);
+    if (url.find("://") == std::string::npos) return make_sqlite_engine(url, opening);
     throw Error(ErrorCode::InvalidArgument,
                 "cannot use the catalog " + url + ": give sqlite:///path/catalog.db");
 }
@@ -119,7 +119,8 @@ private:
 }  // namespace
 
 struct Catalog::Implementation {
-    explicit Implementation(const std::string& url) : engine(make_engine(url)), pool(*engine) {}
+    Implementation(const std::string& catalog_url, Opening opening)
+        : url(catalog_url), engine(make_engine(url, opening)), pool(*engine) {}
 
     template <typename Begin>
     void run(bool may_wait, const Begin& begin, const Work& work) {
@@ -136,8 +137,9 @@ struct Catalog::Implementation {
     }
 
     bool is_current();
-    void migrate(soci::session& session) const;
+    void migrate(soci::session& session, Opening opening) const;
 
+    std::string url;
     std::unique_ptr<Engine> engine;
     Pool pool;
 };
@@ -157,7 +159,15 @@ bool Catalog::Implementation::is_current() {
 }
 
 // If two processes start at the same time, the second waits for the transaction of the first.
-void Catalog::Implementation::migrate(soci::session& session) const {
+void Catalog::Implementation::migrate(soci::session& session, Opening opening) const {
+    int has_versions = 0;
+    session << "SELECT COUNT(*) FROM sqlite_master WHERE name = 'schema_version'",
+        soci::into(has_versions);
+    if (has_versions == 0 && opening == Opening::ExistingOnly)
+        throw Error(ErrorCode::Unavailable,
+                    url +
+                        " is a database, but not a catalog: give the --catalog or "
+                        "--data of the server");
     session << "CREATE TABLE IF NOT EXISTS schema_version (version INTEGER NOT NULL)";
     int version = 0;
     session << "SELECT COALESCE(MAX(version), 0) FROM schema_version", soci::into(version);
@@ -174,9 +184,10 @@ void Catalog::Implementation::migrate(soci::session& session) const {
     session << "INSERT INTO schema_version (version) VALUES (:version)", soci::use(newest);
 }
 
-Catalog::Catalog(const std::string& url) : implementation_(new Implementation(url)) {
+Catalog::Catalog(const std::string& url, Opening opening)
+    : implementation_(new Implementation(url, opening)) {
     if (implementation_->is_current()) return;
-    transaction([this](soci::session& session) { implementation_->migrate(session); });
+    transaction([&](soci::session& session) { implementation_->migrate(session, opening); });
 }
 
 Catalog::Catalog(std::shared_ptr<Implementation> implementation,

@@ -6,6 +6,8 @@
 #include <memory>
 #include <string>
 
+#include "storage/opening.hpp"
+
 namespace soci {
 class session;
 }
@@ -22,9 +24,9 @@ public:
     using Work = std::function<void(soci::session&)>;
 
     // Opens or creates the database and brings its schema up to date (storage/migrations, compiled
-    // in). Throws Error{Unavailable} if it cannot be opened, Error{Conflict} if a newer version
-    // wrote it.
-    explicit Catalog(const std::string& url);
+    // in). Throws Error{Unavailable} if it cannot be opened, or is not there and may not be
+    // created; Error{Conflict} if a newer version wrote it.
+    explicit Catalog(const std::string& url, Opening opening = Opening::CreateIfMissing);
     ~Catalog();
     Catalog(const Catalog&) = delete;
     Catalog& operator=(const Catalog&) = delete;

@@ -1,6 +1,7 @@
 #include "storage/directory_blob_store.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <fcntl.h>
@@ -23,6 +24,8 @@ namespace fs = std::filesystem;
 constexpr std::size_t kCopyBytes = 1 << 20;
 constexpr std::int64_t kWriteBackBytes = 8 << 20;
 constexpr std::chrono::hours kTemporaryFilesLive{24};
+constexpr const char* kDataIdName = "data-id";
+constexpr std::size_t kMaxDataIdBytes = 128;
 
 class DirectoryReader : public BlobReader {
 public:
@@ -70,8 +73,8 @@ private:
 
 class DirectoryBlobStore : public BlobStore {
 public:
-    explicit DirectoryBlobStore(const std::string& folder)
-        : folder_(folder),
+    DirectoryBlobStore(const std::string& folder, Opening opening)
+        : folder_(checked(folder, opening)),
           blobs_(make_area("blobs")),
           staged_(make_area("staged")),
           temporary_(make_area("tmp")) {
@@ -110,8 +113,12 @@ public:
     void remove_prefix(const std::string& prefix) override;
     std::vector<std::string> children(const std::string& prefix) override;
     std::int64_t free_bytes() override;
+    std::string data_id() override;
+    void set_data_id(const std::string& id) override;
+    std::string location() const override { return fs::absolute(folder_).string(); }
 
 private:
+    static fs::path checked(const fs::path& folder, Opening opening);
     FileDescriptor make_area(const std::string& name) const;
     void remove_old_temporary_files() const;
     void publish(const FileDescriptor& from, const std::string& name, const std::string& key);
@@ -244,10 +251,42 @@ std::int64_t DirectoryBlobStore::free_bytes() {
     return static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
 }
 
+// Returns the folder. Throws if it is no store and may not become one.
+fs::path DirectoryBlobStore::checked(const fs::path& folder, Opening opening) {
+    std::error_code failure;
+    if (opening == Opening::ExistingOnly && !fs::is_directory(folder / "blobs", failure))
+        throw Error(ErrorCode::Unavailable,
+                    "there is no blob store in " + fs::absolute(folder).string() +
+                        ": mount its disk, or give the --blobs of the server");
+    return folder;
+}
+
+// Reads by the path, so that a disk that was mounted or unmounted meanwhile is noticed.
+std::string DirectoryBlobStore::data_id() {
+    const FileDescriptor file(::open((folder_ / kDataIdName).c_str(), O_RDONLY | O_CLOEXEC));
+    if (!file.is_open() && (errno == ENOENT || errno == ENOTDIR)) return "";
+    if (!file.is_open()) throw_errno("opening " + (folder_ / kDataIdName).string());
+    std::array<char, kMaxDataIdBytes> text{};
+    const auto n = ::read(file.get(), text.data(), text.size());
+    if (n < 0) throw_errno("reading " + (folder_ / kDataIdName).string());
+    return {text.begin(), std::find(text.begin(), text.begin() + n, '\n')};
+}
+
+void DirectoryBlobStore::set_data_id(const std::string& id) {
+    const FileDescriptor folder = open_folder(folder_.string());
+    const std::string name = std::string(kDataIdName) + "." + random_hex(8);
+    const FileDescriptor file = open_file(folder, name, O_WRONLY | O_CREAT | O_EXCL);
+    write_all(file, id + "\n", kDataIdName);
+    sync(file);
+    if (::renameat(folder.get(), name.c_str(), folder.get(), kDataIdName) != 0)
+        throw_errno("writing " + (folder_ / kDataIdName).string());
+    sync(folder);
+}
+
 }  // namespace
 
-std::unique_ptr<BlobStore> open_directory_blob_store(const std::string& folder) {
-    return std::make_unique<DirectoryBlobStore>(folder);
+std::unique_ptr<BlobStore> open_directory_blob_store(const std::string& folder, Opening opening) {
+    return std::make_unique<DirectoryBlobStore>(folder, opening);
 }
 
 }  // namespace divemesh::storage

@@ -81,6 +81,7 @@ std::string ensure_reconstruction(soci::session& session,
         session,
         "SELECT id FROM jobs WHERE dive_id = :dive AND kind = 'reconstruct' AND preset = :preset"
         " AND options = '{}' AND state IN ('held', 'queued', 'running', 'succeeded')"
+        " AND deleted_at_ms = 0"
         " ORDER BY created_at_ms, id LIMIT 1",
         soci::use(dive.id, "dive"),
         soci::use(preset, "preset"));

@@ -6,6 +6,7 @@
 #include <soci/soci.h>
 #include <string>
 
+#include "storage/opening.hpp"
 #include "storage/session.hpp"
 
 namespace divemesh::storage {
@@ -33,7 +34,7 @@ public:
 };
 
 // Throws Error{InvalidArgument} for the URL of an unsupported database.
-std::unique_ptr<Engine> make_sqlite_engine(const std::string& file);
+std::unique_ptr<Engine> make_sqlite_engine(const std::string& file, Opening opening);
 
 // Returns the query for the database's clock in unix milliseconds.
 inline const char* clock_query(const soci::session& session) {

@@ -71,12 +71,13 @@ void drop_partial_result(soci::session& session, const std::string& id) {
             soci::use(id, "id"));
 }
 
-// Queues a finished job again, with all its attempts.
+// Queues a finished job again, with all its attempts. A deleted result is gone by that.
 Job put_back(soci::session& session, const std::string& id) {
     const std::string progress = to_text(Progress{});
     execute(session,
             "UPDATE jobs SET num_attempts = 0, num_silent_losses = 0, cancel_requested = 0,"
-            " paused = 0, lowered = 0, stages = '[]', verdict = '', findings = '[]',"
+            " paused = 0, lowered = 0, deleted_at_ms = 0, expires_at_ms = 0, stages = '[]', "
+            "verdict = '', findings = '[]',"
             " progress = :progress WHERE id = :id",
             soci::use(progress, "progress"),
             soci::use(id, "id"));
@@ -152,6 +153,7 @@ std::vector<Job> JobStore::redrive(const std::string& project, int limit) {
     catalog_.transaction([&](soci::session& session) {
         const auto dead = select_all<TextRow>(session,
                                               "SELECT id FROM jobs WHERE state = 'dead'"
+                                              " AND deleted_at_ms = 0"
                                               " AND (:project = '' OR project = :project)"
                                               " AND dive_id IN (SELECT id FROM dives WHERE"
                                               "   state <> 'refused' AND deleted_at_ms = 0)"

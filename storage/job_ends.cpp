@@ -42,6 +42,16 @@ AttemptEnd end_of_failed(const Job& job, const Failure& failure, std::int64_t re
     return end;
 }
 
+AttemptEnd end_of_put_back(const Job& job, const Failure& failure, std::int64_t retry_at_ms) {
+    if (job.cancel_requested)
+        return {.attempt = AttemptState::Cancelled, .job = JobState::Cancelled, .failure = failure};
+    return {.attempt = AttemptState::Failed,
+            .job = JobState::Queued,
+            .failure = failure,
+            .not_before_ms = retry_at_ms,
+            .counts = false};
+}
+
 AttemptEnd end_of_expired(const ExpiredJob& expired) {
     const Job& job = expired.job;
     AttemptEnd end{

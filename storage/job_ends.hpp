@@ -13,6 +13,9 @@
 //                   failed at once, because a retry cannot help
 //   out_of_memory   once more with the settings that take the least memory, then dead
 //   lost lease      at once on another worker; dead after three in a row without a renewal
+//   put back        (the worker has no disk space or lost its blobs) after a growing pause, as
+//   often
+//                   as it happens
 //   anything else   after a growing pause, dead when the attempts are used up
 //
 // A cancelled job is not retried, whatever its failure was. An attempt that reports cancelled
@@ -23,6 +26,9 @@ inline constexpr int kMaxSilentLosses = 3;
 
 // Returns the end of an attempt that failed by itself; `retry_at_ms` is the time of a retry.
 AttemptEnd end_of_failed(const Job& job, const Failure& failure, std::int64_t retry_at_ms);
+
+// Returns the end of an attempt that failed because of its worker. It does not count.
+AttemptEnd end_of_put_back(const Job& job, const Failure& failure, std::int64_t retry_at_ms);
 
 // Returns the end of an attempt whose worker was killed, froze or lost the network.
 AttemptEnd end_of_expired(const ExpiredJob& expired);

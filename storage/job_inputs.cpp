@@ -27,7 +27,7 @@ struct SourceRow {
 void require_there(soci::session& session, const std::string& job_id) {
     const auto source = select_one<SourceRow>(
         session,
-        "SELECT dives.id, deleted_at_ms FROM jobs JOIN dives ON dives.id = dive_id"
+        "SELECT dives.id, dives.deleted_at_ms FROM jobs JOIN dives ON dives.id = dive_id"
         " WHERE jobs.id = :id",
         soci::use(job_id, "id"));
     if (!source)

@@ -3,6 +3,7 @@
 #include "schemas/json.hpp"
 #include "storage/dive_rows.hpp"
 #include "storage/event_store.hpp"
+#include "storage/held_queues.hpp"
 #include "storage/ids.hpp"
 #include "storage/job_changes.hpp"
 #include "storage/job_ends.hpp"
@@ -24,15 +25,6 @@ constexpr std::size_t kMaxFindings = 200;
 constexpr std::size_t kMaxFindingBytes = 4096;  // of each of its texts
 constexpr std::size_t kMaxStageNameBytes = 64;
 constexpr const char* kLogCut = "\n[the log was cut off here]\n";
-
-// Queues that hold jobs back: the paused ones, and those that run as many jobs as they may. Intakes
-// are quick and users on a boat wait for them, so no limit applies to them.
-const std::string kPausedQueues = "(SELECT project FROM queues WHERE paused = 1)";
-const std::string kFullQueues =
-    "(SELECT project FROM queues WHERE max_running > 0 AND max_running <="
-    " (SELECT COUNT(*) FROM jobs AS running WHERE running.state = 'running'"
-    "   AND running.kind <> 'intake'"
-    "   AND (queues.project = '' OR running.project = queues.project)))";
 
 // A retry is never due later than :max_pause from now. If it seems so, the clock was set back.
 const std::string kStartable =
@@ -358,6 +350,13 @@ bool JobStore::release(const Lease& lease) {
                     {.attempt = AttemptState::Released,
                      .job = job.cancel_requested ? JobState::Cancelled : JobState::Queued,
                      .counts = false});
+    });
+}
+
+bool JobStore::return_to_queue(const Lease& lease, const Failure& failure) {
+    return with_lease(lease, [&](soci::session& session, const Job& job) {
+        const std::int64_t retry_at_ms = Catalog::now_ms(session) + pause_ms(pause_, lease.attempt);
+        end_attempt(session, job, end_of_put_back(job, failure, retry_at_ms));
     });
 }
 

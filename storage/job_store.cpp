@@ -8,6 +8,7 @@
 #include "storage/job_rows.hpp"
 #include "storage/page_cursor.hpp"
 #include "storage/report_jobs.hpp"
+#include "storage/result_removal.hpp"
 #include "storage/sql.hpp"
 
 namespace divemesh::storage {
@@ -112,6 +113,7 @@ Page<Job> JobStore::list(const JobFilter& filter, const PageRequest& page) {
     const PageStart start = page_start(page);
     const std::string state = filter.state ? std::string(to_string(*filter.state)) : "";
     const std::string kind = filter.kind ? std::string(to_string(*filter.kind)) : "";
+    const int deleted = filter.deleted ? 1 : 0;
     std::vector<Job> rows;
     catalog_.read([&](soci::session& session) {
         rows = select_all<JobRow>(
@@ -120,6 +122,7 @@ Page<Job> JobStore::list(const JobFilter& filter, const PageRequest& page) {
                 " FROM jobs WHERE (created_at_ms > :age OR (created_at_ms = :age AND id > :id))"
                 " AND (:project = '' OR project = :project) AND (:dive = '' OR dive_id = :dive)"
                 " AND (:state = '' OR state = :state) AND (:kind = '' OR kind = :kind)"
+                " AND (deleted_at_ms > 0) = (:deleted = 1)"
                 " AND created_at_ms > :after AND created_at_ms < :before"
                 " ORDER BY created_at_ms, id LIMIT :limit",
             soci::use(start.created_at_ms, "age"),
@@ -128,6 +131,7 @@ Page<Job> JobStore::list(const JobFilter& filter, const PageRequest& page) {
             soci::use(filter.dive_id, "dive"),
             soci::use(state, "state"),
             soci::use(kind, "kind"),
+            soci::use(deleted, "deleted"),
             soci::use(filter.created_after_ms, "after"),
             soci::use(filter.created_before_ms, "before"),
             soci::use(start.limit_plus_one, "limit"));
@@ -150,7 +154,7 @@ std::vector<Attempt> JobStore::attempts(const std::string& job_id) {
 std::vector<Artifact> JobStore::artifacts(const std::string& job_id) {
     std::vector<Artifact> artifacts;
     catalog_.read([&](soci::session& session) {
-        read_job(session, job_id);
+        require_result(session, job_id);
         artifacts = select_all<ArtifactRow>(
             session,
             "SELECT job_id, name, media_type, sha256, size_bytes, blob FROM artifacts"
@@ -163,6 +167,7 @@ std::vector<Artifact> JobStore::artifacts(const std::string& job_id) {
 Artifact JobStore::artifact(const std::string& job_id, const std::string& name) {
     std::optional<Artifact> artifact;
     catalog_.read([&](soci::session& session) {
+        require_result(session, job_id);
         artifact = select_one<ArtifactRow>(
             session,
             "SELECT job_id, name, media_type, sha256, size_bytes, blob FROM artifacts"

@@ -24,6 +24,7 @@ struct JobFilter {
     std::string dive_id;  // "": any
     std::optional<JobState> state;
     std::optional<JobKind> kind;
+    bool deleted = false;  // true: only jobs whose result was deleted; false: only the others
     std::int64_t created_after_ms = -1;  // both ends excluded
     std::int64_t created_before_ms = std::numeric_limits<std::int64_t>::max();
 };
@@ -101,6 +102,7 @@ public:
     Page<Job> list(const JobFilter& filter, const PageRequest& page);
     std::vector<Attempt> attempts(const std::string& job_id);
     // Returns the artifacts of the attempt that succeeded, or the partial result of a failed job.
+    // Throws Error{Gone} if they were deleted.
     std::vector<Artifact> artifacts(const std::string& job_id);
     Artifact artifact(const std::string& job_id, const std::string& name);  // throws NotFound
     std::string log(const std::string& job_id);               // of the newest attempt, truncated
@@ -109,7 +111,8 @@ public:
     // Cancels a held or queued job at once; asks the worker of a running one. Throws
     // Error{Conflict} if it is finished.
     Job cancel(const std::string& id);
-    // Queues a failed, dead or cancelled job again, with attempts from 0. Jobs that failed only
+    // Queues a failed, dead or cancelled job again, with attempts from 0; a deleted result is not
+    // restored. Jobs that failed only
     // because of it are held behind it again. Throws Error{Conflict} in another state, on a refused
     // dive, while a parent has not succeeded, and while another job does the same work.
     Job retry(const std::string& id);
@@ -146,6 +149,9 @@ public:
               const std::optional<UnreadableTruth>& unreadable = std::nullopt,
               const PartialResult& partial = {});
     bool release(const Lease& lease);  // graceful shutdown: back to queued, not counted
+    // Ends an attempt that failed because of its worker: back to queued after a growing pause, not
+    // counted.
+    bool return_to_queue(const Lease& lease, const Failure& failure);
 
     // Does what claim() does first, for times when no worker claims. Returns how many jobs lost
     // their lease.

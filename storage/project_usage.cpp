@@ -28,6 +28,8 @@ ProjectUsage read_usage(soci::session& session, const std::string& project) {
                "   WHERE (:project = '' OR project = :project))"
                " + (SELECT COALESCE(SUM(size_bytes), 0) FROM truth_files"
                "   WHERE (:project = '' OR project = :project))"
+               " + (SELECT COALESCE(SUM(result_bytes), 0) FROM jobs"
+               "   WHERE (:project = '' OR project = :project) AND result_bytes > 0)"
                " + (SELECT COALESCE(SUM(CASE"
                "     WHEN concat LIKE 'final;%' AND offset_bytes < length_bytes THEN repeated_bytes"
                "     ELSE COALESCE(length_bytes, offset_bytes) END), 0) FROM uploads"
@@ -52,8 +54,9 @@ void require_bytes_of_quota(soci::session& session,
         throw Error(ErrorCode::OutOfQuota,
                     "project " + project + " has " + std::to_string(stored) + " of " +
                         std::to_string(max_num_bytes) + " bytes, " + std::to_string(more_bytes) +
-                        " more are too many: delete dives or uploads (the bytes of a deleted dive "
-                        "count until it expires), or ask the administrator");
+                        " more are too many: delete dives, results or uploads (the bytes of a "
+                        "deleted dive or result count until it expires), or ask the "
+                        "administrator");
 }
 
 void require_dive_of_quota(soci::session& session,

@@ -7,11 +7,12 @@
 
 namespace divemesh::storage {
 
-// What a project ("": all of them) stores. Deleted dives do not count as dives, but their bytes
-// count until they expire.
+// What a project ("": all of them) stores. Deleted dives do not count as dives, but their bytes,
+// and those of deleted results, count until they expire.
 struct ProjectUsage {
     std::int64_t num_dives = 0;
-    std::int64_t stored_bytes = 0;  // archives, truth, and open uploads with their announced length
+    std::int64_t stored_bytes =
+        0;  // archives, truth, results, and open uploads with their announced length
 };
 
 // Read the usage of a project; "" means all projects.

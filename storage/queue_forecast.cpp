@@ -4,21 +4,21 @@
 #include <cmath>
 #include <functional>
 #include <queue>
-#include <set>
 #include <tuple>
 #include <vector>
 
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
+#include "schemas/wait_reason.hpp"
 #include "storage/job_changes.hpp"
 #include "storage/job_speeds.hpp"
 #include "storage/sql.hpp"
-#include "storage/worker_store.hpp"
+#include "storage/wait_reasons.hpp"
 
 namespace divemesh::storage {
 namespace {
 
-constexpr double kUnknown = -1.0;
+using Seconds = std::optional<double>;  // nullopt: unknown, which a Forecast has as less than 0
 
 struct WaitingRow {
     std::int64_t rank_ms = 0;
@@ -28,11 +28,20 @@ struct WaitingRow {
     std::string preset;
     std::int64_t num_frames = 0;
     std::int64_t archive_bytes = 0;
+    std::int64_t not_before_ms = 0;
     std::string progress;
 
     void define(soci::statement& statement) {
-        define_columns(
-            statement, rank_ms, id, project, kind, preset, num_frames, archive_bytes, progress);
+        define_columns(statement,
+                       rank_ms,
+                       id,
+                       project,
+                       kind,
+                       preset,
+                       num_frames,
+                       archive_bytes,
+                       not_before_ms,
+                       progress);
     }
     WaitingRow value() const { return *this; }
 };
@@ -41,51 +50,59 @@ std::vector<WaitingRow> rows_in_state(soci::session& session, const std::string&
     return select_all<WaitingRow>(
         session,
         "SELECT queue_rank_ms, jobs.id, jobs.project, kind, preset, num_frames, archive_bytes,"
-        " progress FROM jobs, dives WHERE jobs.state = '" +
+        " not_before_ms, progress FROM jobs, dives WHERE jobs.state = '" +
             state + "' AND dives.id = dive_id ORDER BY queue_rank_ms, jobs.id");
 }
 
-double takes_s(const JobSpeeds& speeds, const WaitingRow& row) {
+Seconds takes_s(const JobSpeeds& speeds, const WaitingRow& row) {
     const auto speed = speeds.find({row.kind, row.preset});
     const auto num_units = row.kind == "intake" ? row.archive_bytes : row.num_frames;
-    if (speed == speeds.end() || num_units <= 0) return kUnknown;
+    if (speed == speeds.end() || num_units <= 0) return std::nullopt;
     return speed->second * static_cast<double>(num_units);
 }
 
-std::set<std::string> paused_projects(soci::session& session) {
-    const auto names = select_all<TextRow>(session, "SELECT project FROM queues WHERE paused = 1");
-    return {names.begin(), names.end()};
+std::vector<Seconds> running_left_s(soci::session& session, const JobSpeeds& speeds) {
+    std::vector<Seconds> left_s;
+    for (const WaitingRow& row : rows_in_state(session, "running")) {
+        const auto progress = nlohmann::json::parse(row.progress).get<Progress>();
+        left_s.push_back(progress.seconds_left >= 0.0 ? progress.seconds_left
+                                                      : takes_s(speeds, row));
+    }
+    return left_s;
 }
 
-int num_slots(soci::session& session) {
-    const std::int64_t alive_since_ms = Catalog::now_ms(session) - kWorkerSilence_ms;
-    int slots = 0;
-    session << "SELECT COALESCE(SUM(num_slots), 0) FROM workers"
-               " WHERE draining = 0 AND seen_at_ms >= :alive",
-        soci::use(alive_since_ms, "alive"), soci::into(slots);
-    return slots;
+std::string reason_of(const WaitingRow& row, const WaitReasons& reasons) {
+    Job job;
+    job.project = row.project;
+    job.kind = job_kind_from_string(row.kind);
+    job.state = JobState::Queued;
+    job.not_before_ms = row.not_before_ms;
+    return reasons.of(job);
 }
 
-double rounded(double seconds) { return seconds < 0.0 ? kUnknown : std::round(seconds / 10) * 10; }
+double rounded(Seconds seconds) {
+    return seconds ? std::round(*seconds / 10) * 10 : Forecast{}.starts_in_s;
+}
 
 // Assigns the slots in order. Once a job of unknown duration has one, no later start is known.
 class Slots {
 public:
-    Slots(int count, const std::vector<double>& running_s) {
+    Slots(int count, const std::vector<Seconds>& running_s) {
         known_ = count > 0;
-        for (const double left_s : running_s) {
-            known_ = known_ && left_s >= 0.0;
-            free_at_s_.push(left_s);
+        for (const Seconds& left_s : running_s) {
+            known_ = known_ && left_s;
+            free_at_s_.push(left_s.value_or(0.0));
         }
         while (free_at_s_.size() < static_cast<std::size_t>(count)) free_at_s_.push(0.0);
     }
 
-    double take(double for_s) {
-        if (!known_) return kUnknown;
-        const double start_s = free_at_s_.top();
+    // Returns the start of a job that takes `for_s` and is not due before `due_s`.
+    Seconds take(Seconds for_s, double due_s) {
+        if (!known_) return std::nullopt;
+        const double start_s = std::max(due_s, free_at_s_.top());
         free_at_s_.pop();
-        free_at_s_.push(start_s + for_s);
-        known_ = for_s >= 0.0;
+        free_at_s_.push(start_s + for_s.value_or(0.0));
+        known_ = for_s.has_value();
         return start_s;
     }
 
@@ -96,30 +113,31 @@ private:
 
 }  // namespace
 
-// The queued jobs in the order in which they start.
+// The queued jobs in the order in which they start, and what keeps jobs from starting.
 struct QueueForecast::Snapshot {
     struct Place {
         std::int64_t rank_ms = 0;
         std::string id;
-        double starts_in_s = kUnknown;
-        double takes_s = kUnknown;
+        Seconds starts_in_s = std::nullopt;
+        Seconds takes_s = std::nullopt;
     };
+    WaitReasons reasons;
     std::vector<Place> places;
 
     static std::shared_ptr<const Snapshot> taken_of(soci::session& session) {
         const JobSpeeds speeds = read_speeds(session);
-        const auto paused = paused_projects(session);
-        std::vector<double> running_s;
-        for (const WaitingRow& row : rows_in_state(session, "running")) {
-            const auto progress = nlohmann::json::parse(row.progress).get<Progress>();
-            running_s.push_back(progress.seconds_left >= 0.0 ? progress.seconds_left
-                                                             : takes_s(speeds, row));
-        }
-        Slots slots(paused.contains("") ? 0 : num_slots(session), running_s);
-        auto snapshot = std::make_shared<Snapshot>();
+        auto snapshot = std::make_shared<Snapshot>(Snapshot{WaitReasons(session), {}});
+        const WaitReasons& reasons = snapshot->reasons;
+        Slots slots(reasons.num_slots(), running_left_s(session, speeds));
         for (const WaitingRow& row : rows_in_state(session, "queued")) {
             Place place{.rank_ms = row.rank_ms, .id = row.id, .takes_s = takes_s(speeds, row)};
-            if (!paused.contains(row.project)) place.starts_in_s = slots.take(place.takes_s);
+            const std::string reason = reason_of(row, reasons);
+            const bool retried = reason == to_string(WaitReason::Retry);
+            if (reason.empty() || retried)
+                place.starts_in_s = slots.take(
+                    place.takes_s,
+                    retried ? static_cast<double>(row.not_before_ms - reasons.now_ms()) / 1000.0
+                            : 0.0);
             snapshot->places.push_back(std::move(place));
         }
         return snapshot;
@@ -169,6 +187,11 @@ std::optional<Forecast> QueueForecast::of(const Job& job, Catalog& catalog) {
         forecast.takes_s = rounded(at->takes_s);
     }
     return forecast;
+}
+
+std::string QueueForecast::waits_for(const Job& job, Catalog& catalog) {
+    if (job.state == JobState::Held) return reason_of_held(job);
+    return job.state == JobState::Queued ? snapshot(catalog)->reasons.of(job) : "";
 }
 
 }  // namespace divemesh::storage

@@ -30,6 +30,7 @@ std::optional<Job> newest(soci::session& session,
     return select_one<JobRow>(session,
                               "SELECT " + std::string(kJobColumns) +
                                   " FROM jobs WHERE dive_id = :dive AND kind = 'reconstruct'"
+                                  " AND deleted_at_ms = 0"
                                   " AND state IN (" +
                                   states +
                                   ") AND (:version = '' OR id IN (SELECT job_id FROM metric_sets"

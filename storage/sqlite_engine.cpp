@@ -20,7 +20,12 @@ sqlite_api::sqlite3* connection_of(soci::session& session) {
 
 class SqliteEngine : public Engine {
 public:
-    explicit SqliteEngine(std::string file) : file_(std::move(file)) { make_file(); }
+    SqliteEngine(std::string file, Opening opening) : file_(std::move(file)) {
+        if (opening == Opening::CreateIfMissing)
+            make_file();
+        else
+            require_file();
+    }
 
     std::unique_ptr<Session> connect() const override {
         auto session = std::make_unique<Session>(
@@ -103,6 +108,16 @@ private:
                         "cannot create the catalog " + file_ + ": " + std::strerror(errno));
     }
 
+    // An empty file is no catalog either, but SQLite would make one of it.
+    void require_file() const {
+        std::error_code failure;
+        if (std::filesystem::file_size(file_, failure) > 0 && !failure) return;
+        throw Error(ErrorCode::Unavailable,
+                    "there is no catalog " + std::filesystem::absolute(file_).string() +
+                        ": give the --catalog or --data of the server, mount its disk, or start "
+                        "the server first, which creates it");
+    }
+
     // SQLite refuses the switch, without waiting, while another process does it.
     static void switch_to_wal(soci::session& session) {
         const auto give_up =
@@ -126,11 +141,11 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Engine> make_sqlite_engine(const std::string& file) {
+std::unique_ptr<Engine> make_sqlite_engine(const std::string& file, Opening opening) {
     if (file.empty() || file.find('"') != std::string::npos)
         throw Error(ErrorCode::InvalidArgument,
                     "this is not a file name for a catalog: '" + file + "'");
-    return std::make_unique<SqliteEngine>(file);
+    return std::make_unique<SqliteEngine>(file, opening);
 }
 
 }  // namespace divemesh::storage

@@ -20,6 +20,7 @@ struct WorkerRow {
                        worker.num_running,
                        draining,
                        alive,
+                       worker.waits_for,
                        worker.started_at_ms,
                        worker.seen_at_ms);
     }
@@ -38,7 +39,8 @@ std::vector<Worker> read_workers(soci::session& session, const std::string& name
         session,
         "SELECT name, num_slots,"
         " (SELECT COUNT(*) FROM attempts WHERE worker = name AND state = 'running'),"
-        " draining, CASE WHEN seen_at_ms >= :alive THEN 1 ELSE 0 END, started_at_ms, seen_at_ms"
+        " draining, CASE WHEN seen_at_ms >= :alive THEN 1 ELSE 0 END, waits_for,"
+        " started_at_ms, seen_at_ms"
         " FROM workers WHERE (:name = '' OR name = :name) ORDER BY name",
         soci::use(alive_since_ms, "alive"),
         soci::use(name, "name"));
@@ -46,7 +48,7 @@ std::vector<Worker> read_workers(soci::session& session, const std::string& name
 
 }  // namespace
 
-void WorkerStore::report(const std::string& name, int num_slots) {
+void WorkerStore::report(const std::string& name, int num_slots, const std::string& waits_for) {
     catalog_.transaction([&](soci::session& session) {
         const std::int64_t now_ms = Catalog::now_ms(session);
         const std::int64_t forgotten_ms = now_ms - kForgotten_ms;
@@ -54,11 +56,13 @@ void WorkerStore::report(const std::string& name, int num_slots) {
                 "DELETE FROM workers WHERE seen_at_ms < :forgotten",
                 soci::use(forgotten_ms, "forgotten"));
         execute(session,
-                "INSERT INTO workers (name, num_slots, started_at_ms, seen_at_ms)"
-                " VALUES (:name, :slots, :now, :now)"
-                " ON CONFLICT (name) DO UPDATE SET seen_at_ms = excluded.seen_at_ms",
+                "INSERT INTO workers (name, num_slots, waits_for, started_at_ms, seen_at_ms)"
+                " VALUES (:name, :slots, :waits_for, :now, :now)"
+                " ON CONFLICT (name) DO UPDATE SET seen_at_ms = excluded.seen_at_ms,"
+                " waits_for = excluded.waits_for",
                 soci::use(name, "name"),
                 soci::use(num_slots, "slots"),
+                soci::use(waits_for, "waits_for"),
                 soci::use(now_ms, "now"));
     });
 }

@@ -16,9 +16,9 @@ class WorkerStore {
 public:
     explicit WorkerStore(Catalog& catalog) : catalog_(catalog) {}
 
-    // Adds the worker, or records that it is alive. Removes rows of workers that were silent for a
-    // day.
-    void report(const std::string& name, int num_slots);
+    // Adds the worker, or records that it is alive and what it waits for (Worker::waits_for).
+    // Removes rows of workers that were silent for a day.
+    void report(const std::string& name, int num_slots, const std::string& waits_for = "");
     void remove(const std::string& name);
 
     std::vector<Worker> list();           // by name

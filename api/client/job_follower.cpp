@@ -68,7 +68,7 @@ Job follow_job(RestClient& rest,
                const std::string& job_id,
                const OnJob& on_job,
                const Backoff::OnWait& on_wait) {
-    return follow<Job>(rest, job_path(job_id), job_id, on_wait, [&](const Job& job) {
+    return follow<ShownJob>(rest, job_path(job_id), job_id, on_wait, [&](const ShownJob& job) {
         on_job(job);
         return is_finished(job.state);
     });

@@ -6,11 +6,11 @@
 #include "api/client/backoff.hpp"
 #include "api/client/rest_client.hpp"
 #include "schemas/dive.hpp"
-#include "schemas/job.hpp"
+#include "schemas/shown_job.hpp"
 
 namespace divemesh::api::client {
 
-using OnJob = std::function<void(const Job& job)>;
+using OnJob = std::function<void(const ShownJob& job)>;
 
 // Waits until a job has finished and returns it. Follows the events; if they are not available, it
 // polls every second. Survives a server that is away for up to ten minutes.

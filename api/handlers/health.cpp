@@ -14,14 +14,12 @@ Awaitable<Response> get_liveness(Request, Services) {
 }
 
 Awaitable<Response> get_readiness(Request, Services services) {
-    auto look = [services] {
-        return services.readiness.check(
-            services.catalog, services.blobs, services.limits.min_free_bytes);
-    };
+    auto look = [services] { return services.readiness.check(services); };
     const Readiness::Result result = co_await in_pool(services.pool, std::move(look));
     if (!result.failure.empty()) throw Error(ErrorCode::Unavailable, result.failure);
-    co_return json_response(http::status::ok,
-                            {{"status", "ready"}, {"free_bytes", result.free_bytes}});
+    nlohmann::json ready = {{"status", "ready"}, {"free_bytes", result.free_bytes}};
+    if (!result.queue_waits_for.empty()) ready["queue_waits_for"] = result.queue_waits_for;
+    co_return json_response(http::status::ok, ready);
 }
 
 Awaitable<Response> get_openapi(Request, Services) {

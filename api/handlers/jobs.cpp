@@ -7,10 +7,11 @@
 #include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/handlers/resource.hpp"
+#include "api/handlers/shown_jobs.hpp"
 #include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
 #include "api/job_options.hpp"
-#include "api/preconditions.hpp"
+#include "api/quota.hpp"
 #include "api/target.hpp"
 #include "api/visible.hpp"
 #include "schemas/json.hpp"
@@ -26,6 +27,7 @@ storage::JobFilter filter_of(const Request& request) {
     if (!state.empty()) filter.state = job_state_from_string(state);
     const std::string kind = query_value(request, "kind");
     if (!kind.empty()) filter.kind = job_kind_from_string(kind);
+    filter.deleted = flag_value(request, "deleted");
     filter.created_after_ms = time_value(request, "created_after_ms", filter.created_after_ms);
     filter.created_before_ms = time_value(request, "created_before_ms", filter.created_before_ms);
     return filter;
@@ -79,19 +81,6 @@ int attempt_number(const Request& request) {
     return static_cast<int>(*number);
 }
 
-// Returns the job as GET shows it.
-Job shown_job(const Request& request, const Services& services, storage::Catalog& catalog) {
-    Job job = visible_job(request, catalog);
-    job.forecast = services.forecast.of(job, catalog);
-    return job;
-}
-
-storage::Catalog audited_if_job_matches(const Services& services, const Request& request) {
-    return audited_if_match(services, request, [services, request] {
-        return shown_job(request, services, services.catalog);
-    });
-}
-
 Response text_response(std::string text) {
     Response response = empty_response(http::status::ok);
     response.body = std::move(text);
@@ -105,8 +94,12 @@ Awaitable<Response> list_jobs(Request request, Services services) {
     auto read = [services](const Request& asked, storage::Catalog& catalog) {
         const auto filter = filter_of(asked);
         auto jobs = storage::JobStore(catalog).list(filter, page_request(asked));
-        for (Job& job : jobs.items) job.forecast = services.forecast.of(job, catalog);
-        return jobs;
+        storage::Page<ShownJob> page{.items = {}, .next_cursor = std::move(jobs.next_cursor)};
+        for (Job& job : jobs.items) {
+            page.items.push_back(with_forecast(std::move(job), services, catalog));
+            if (filter.deleted) add_deletion(page.items.back(), catalog);
+        }
+        return page;
     };
     return get_page(std::move(request), services, read);
 }
@@ -115,6 +108,7 @@ Awaitable<Response> create_job(Request request, Services services) {
     auto work = [services, request] {
         require_room(services);
         const Dive dive = visible_dive(request, services.catalog);
+        require_bytes_of_quota(services, dive.project, 0);
         auto catalog = audited(services, request);
         return storage::JobStore(catalog).enqueue(job_request(request, dive));
     };
@@ -152,8 +146,10 @@ Awaitable<Response> cancel_job(Request request, Services services) {
 Awaitable<Response> retry_job(Request request, Services services) {
     auto retry = [services](const Request& asked) {
         require_room(services);
+        const Job job = visible_job(asked, services.catalog);
+        require_bytes_of_quota(services, job.project, 0);
         auto catalog = audited_if_job_matches(services, asked);
-        return storage::JobStore(catalog).retry(visible_job(asked, catalog).id);
+        return storage::JobStore(catalog).retry(job.id);
     };
     return change_resource(std::move(request), services, retry);
 }

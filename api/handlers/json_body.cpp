@@ -6,6 +6,8 @@
 #include "api/field_values.hpp"
 #include "api/parse_json.hpp"
 #include "api/target.hpp"
+#include "schemas/json.hpp"
+#include "schemas/wait_reason.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -96,6 +98,21 @@ std::int64_t time_value(const Request& request, const std::string& name, std::in
     return *value;
 }
 
+template <>
+nlohmann::json with_all_fields<ShownJob>() {
+    ShownJob job;
+    job.waits_for = to_string(WaitReason::Parent);
+    job.deleted_at_ms = job.expires_at_ms = 1;
+    return job;
+}
+
+template <>
+nlohmann::json with_all_fields<Worker>() {
+    Worker worker;
+    worker.waits_for = to_string(WaitReason::Disk);
+    return worker;
+}
+
 FieldChoice::FieldChoice(const std::string& list, const nlohmann::json& example) {
     for (const std::string& name : split_list(list)) {
         if (!example.contains(name))
@@ -108,7 +125,8 @@ FieldChoice::FieldChoice(const std::string& list, const nlohmann::json& example)
 nlohmann::json FieldChoice::leave(nlohmann::json whole) const {
     if (names_.empty()) return whole;
     nlohmann::json chosen = nlohmann::json::object();
-    for (const std::string& name : names_) chosen[name] = whole.at(name);
+    for (const std::string& name : names_)
+        if (whole.contains(name)) chosen[name] = whole.at(name);
     return chosen;
 }
 

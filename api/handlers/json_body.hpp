@@ -9,6 +9,8 @@
 
 #include "api/http.hpp"
 #include "schemas/invalid_input.hpp"
+#include "schemas/shown_job.hpp"
+#include "schemas/worker.hpp"
 #include "storage/page.hpp"
 
 namespace divemesh::api {
@@ -46,7 +48,18 @@ bool flag_value(const Request& request, const std::string& name);
 // Returns ?name= in unix milliseconds, `otherwise` if it is missing. Throws Error{InvalidArgument}.
 std::int64_t time_value(const Request& request, const std::string& name, std::int64_t otherwise);
 
-// The fields of objects that ?fields=a,b selects; all fields without it.
+// Returns an object with every field that T may have.
+template <typename T>
+nlohmann::json with_all_fields() {
+    return T{};
+}
+template <>
+nlohmann::json with_all_fields<ShownJob>();
+template <>
+nlohmann::json with_all_fields<Worker>();
+
+// The fields of objects that ?fields=a,b selects; all fields without it. A field that an object
+// does not have stays absent.
 class FieldChoice {
 public:
     // Reads ?fields= of GET and HEAD only. Throws Error{InvalidArgument}, which names the field
@@ -55,7 +68,7 @@ public:
     static FieldChoice of(const Request& request) {
         const bool reads = request.method == verb::get || request.method == verb::head;
         if (!reads || !request.query.contains("fields")) return {};
-        return FieldChoice(query_value(request, "fields"), T{});
+        return FieldChoice(query_value(request, "fields"), with_all_fields<T>());
     }
 
     nlohmann::json leave(nlohmann::json whole) const;

@@ -63,11 +63,12 @@ Awaitable<Response> get_usage(Request request, Services services) {
 }
 
 Awaitable<Response> change_queue(Request request, Services services) {
-    const auto body = json_body(request, {"project", "paused", "max_running"});
+    const auto body = json_body(request, {"project", "paused", "max_running", "keep_results"});
     const std::string project = project_of(request, value_or<std::string>(body, "project", ""));
     storage::QueueChange change;
     if (body.contains("paused")) change.paused = value_or<bool>(body, "paused", false);
     if (body.contains("max_running")) change.max_running = value_or<int>(body, "max_running", 0);
+    if (body.contains("keep_results")) change.keep_results = value_or<int>(body, "keep_results", 0);
     auto apply = [services, project, change](const Request& asked) {
         auto catalog = audited_if_queue_matches(services, asked, project);
         return storage::QueueStore(catalog).change(project, change);

@@ -1,5 +1,6 @@
 #include "api/uploads/new_upload.hpp"
 
+#include "api/disk_guard.hpp"
 #include "api/quota.hpp"
 #include "api/uploads/upload_metadata.hpp"
 #include "schemas/error.hpp"
@@ -12,9 +13,9 @@ Upload enter_upload(const Services& services,
                     const Upload& upload,
                     const std::vector<std::string>& part_ids) {
     const ServiceLimits& limits = services.limits;
-    const std::int64_t room = services.blobs.free_bytes() - limits.min_free_bytes;
     const std::int64_t wanted = upload.length_bytes.value_or(0);
-    if (wanted > room)
+    const std::int64_t needed = limits.min_free_bytes + wanted;
+    if (free_bytes(services, needed) < needed)
         throw Error(ErrorCode::OutOfSpace,
                     "the server's disk has no space for " + std::to_string(wanted) +
                         " bytes: delete dives or ask the administrator");

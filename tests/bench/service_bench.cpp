@@ -208,8 +208,8 @@ int run(int argc, char** argv) {
     storage::Catalog catalog("sqlite://" + (folder / "data/catalog.db").string());
     const std::string token =
         storage::TokenStore(catalog).create({.name = "bench", .scopes = {"admin"}}).secret;
-    make_jobs(catalog, folder / "jobs");
     const Served server(program, folder / "data");
+    make_jobs(catalog, folder / "jobs");
     nlohmann::json result;
     result["get_job"] = get_jobs(server, folder / "jobs", token, seconds);
     result["watch_and_upload"] = watch_and_upload(server, catalog, token, large_bytes);

@@ -94,6 +94,7 @@ api::Services Service::services() {
             reserve_,
             reports_,
             sensor_hub_,
+            make_room_,
             stopping_,
             limits_,
             true};

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <boost/asio/io_context.hpp>
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -55,6 +56,7 @@ private:
     api::DiskReserve reserve_{folder_ / "reserve"};
     api::SensorHub sensor_hub_;
     api::ReportQueue reports_{catalog_, pool_, sensor_hub_, [] { return true; }};
+    std::function<void(std::int64_t)> make_room_;
     std::atomic<bool> stopping_ = false;
     api::ServiceLimits limits_;
     std::string dive_id_;

@@ -1,44 +1,16 @@
 #include <gtest/gtest.h>
 
-#include <fstream>
-#include <sys/mount.h>
-
 #include "tests/server/test_server.hpp"
+#include "tests/small_disk.hpp"
 
 namespace divemesh {
 namespace {
 
 namespace fs = std::filesystem;
 
-// A disk of its own: in memory, and small.
-class SmallDisk {
-public:
-    SmallDisk() : mounted_(::mount("tmpfs", folder_.path().c_str(), "tmpfs", 0, "size=32m") == 0) {}
-    ~SmallDisk() {
-        if (mounted_) ::umount2(folder_.path().c_str(), MNT_DETACH);
-    }
-    SmallDisk(const SmallDisk&) = delete;
-    SmallDisk& operator=(const SmallDisk&) = delete;
-
-    bool mounted() const { return mounted_; }
-    fs::path path() const { return folder_.path(); }
-    std::uintmax_t free_bytes() const { return fs::space(path()).available; }
-    // To the last byte.
-    void fill() const {
-        std::ofstream filler(path() / "filler", std::ios::binary);
-        const std::string page(4096, 'x');
-        while (filler.write(page.data(), std::ssize(page)).flush()) {
-        }
-    }
-
-private:
-    TemporaryFolder folder_;
-    bool mounted_;
-};
-
 // With the disk full to the last byte: what is there is read and deleted, and deleting makes room.
 TEST(FullDiskTest, AFullDiskIsStillReadFromAndDeletedFrom) {
-    const SmallDisk disk;
+    const SmallDisk disk(32);
     if (!disk.mounted()) GTEST_SKIP() << "needs the right to mount a tmpfs";
     server::ServerConfig config;
     config.data = disk.path();
@@ -58,7 +30,7 @@ TEST(FullDiskTest, AFullDiskIsStillReadFromAndDeletedFrom) {
         std::this_thread::sleep_for(std::chrono::milliseconds(10));
     ASSERT_TRUE(fs::exists(disk.path() / "reserve"));
     disk.fill();
-    ASSERT_EQ(disk.free_bytes(), 0U);
+    ASSERT_EQ(disk.free_bytes(), 0);
 
     EXPECT_EQ(server.request("GET", dive, token).status, 200);
     EXPECT_EQ(server.request("GET", "/healthz/ready", "").status, 503);
@@ -75,8 +47,46 @@ TEST(FullDiskTest, AFullDiskIsStillReadFromAndDeletedFrom) {
     EXPECT_GT(deleted.json()["expires_at_ms"], deleted.json()["deleted_at_ms"]);
     const auto before = disk.free_bytes();
     EXPECT_EQ(server.request("DELETE", dive + "?purge=true", server.admin(), any).status, 200);
-    EXPECT_GE(disk.free_bytes(), before + (3U << 20));
+    EXPECT_GE(disk.free_bytes(), before + (3 << 20));
     EXPECT_EQ(server.request("GET", dive, token).status, 404);
+}
+
+// What can be computed again goes before an upload, its bytes or a job are refused.
+TEST(FullDiskTest, GivesUpWhatCanBeComputedAgainBeforeItRefuses) {
+    const SmallDisk disk(64);
+    if (!disk.mounted()) GTEST_SKIP() << "needs the right to mount a tmpfs";
+    const fs::path cache = disk.path() / "cache-entry";
+    server::ServerConfig config;
+    config.data = disk.path();
+    config.min_free_bytes = 20 << 20;
+    config.make_room = [&](std::int64_t wanted_free_bytes) {
+        if (disk.free_bytes() < wanted_free_bytes) fs::remove(cache);
+    };
+    TestServer server(config);
+    const std::string admin = server.admin();
+    const std::string dive = server.make_dive("default", std::string(64, 'a'));
+    for (int i = 0; i < 500 && !fs::exists(disk.path() / "reserve"); ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    const auto fill_cache = [&](int left_mib) {
+        disk.write(cache, static_cast<int>(disk.free_bytes() >> 20) - left_mib);
+    };
+
+    fill_cache(22);  // more than --min-free, but not with the upload
+    const std::string upload = create_upload(server.port(), admin, 4 << 20);
+    EXPECT_FALSE(fs::exists(cache));
+    fill_cache(19);
+    const auto sent =
+        server.request("PATCH", upload, "", patch_headers(admin, 0), random_bytes(4 << 20));
+    EXPECT_EQ(sent.status, 204) << sent.body;
+    EXPECT_FALSE(fs::exists(cache));
+    fill_cache(19);
+    const auto job =
+        server.post_json("/api/v1/dives/" + dive + "/jobs", admin, nlohmann::json::object());
+    EXPECT_EQ(job.status, 201) << job.body;
+    EXPECT_FALSE(fs::exists(cache));
+    fill_cache(19);
+    EXPECT_EQ(server.request("GET", "/healthz/ready", "").status, 200);
+    EXPECT_FALSE(fs::exists(cache));
 }
 
 }  // namespace

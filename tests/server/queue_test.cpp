@@ -1,6 +1,8 @@
 // The queue over HTTP.
 #include <gtest/gtest.h>
 
+#include <thread>
+
 #include "storage/job_store.hpp"
 #include "storage/worker_store.hpp"
 #include "tests/server/test_server.hpp"
@@ -51,12 +53,39 @@ TEST_F(QueueTest, TellsAQueuedJobWhereItStands) {
     const std::string second = ask();
 
     EXPECT_EQ(get(second).json()["forecast"]["position"], 2);
-    EXPECT_EQ(get(second).json()["forecast"]["starts_in_s"], -1.0);  // no worker polls
+    EXPECT_FALSE(get(second).json()["forecast"].contains("starts_in_s"));  // no worker polls
+    EXPECT_EQ(get(second).json()["waits_for"], "worker");
     const nlohmann::json queued = get("/api/v1/jobs?state=queued").json();
     ASSERT_GE(queued["items"].size(), 2U);
     for (const auto& job : queued["items"]) EXPECT_TRUE(job["forecast"].is_object());
     server.request("POST", second + "/cancel", token);
     EXPECT_TRUE(get(second).json()["forecast"].is_null());
+    EXPECT_FALSE(get(second).json().contains("waits_for"));
+}
+
+TEST_F(QueueTest, SaysWhatKeepsAJobAndTheQueue) {
+    const auto queue_waits_for = [&] {
+        return get("/healthz/ready").json().value("queue_waits_for", "");
+    };
+    storage::WorkerStore workers(server.catalog());
+    workers.report("worker", 1, "disk");
+    const std::string job = ask();
+    const std::string child = ask({{"parents", {id_of(job)}}});
+
+    EXPECT_EQ(get(job).json()["waits_for"], "disk");
+    EXPECT_EQ(get(job).json()["forecast"], nlohmann::json({{"position", 1}}));
+    EXPECT_EQ(get(child).json()["waits_for"], "parent");
+    EXPECT_EQ(get(child + "?fields=waits_for").json(), nlohmann::json({{"waits_for", "parent"}}));
+    EXPECT_EQ(get("/api/v1/jobs?state=queued").json()["items"][0]["waits_for"], "disk");
+    EXPECT_EQ(get("/api/v1/workers").json()["items"][0]["waits_for"], "disk");
+    EXPECT_EQ(queue_waits_for(), "disk");
+    workers.report("worker", 1);
+    for (int i = 0; i < 500 && get(job).json().contains("waits_for"); ++i)  // a snapshot is kept
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    EXPECT_FALSE(get(job).json().contains("waits_for"));
+    EXPECT_EQ(get(job).json()["forecast"]["starts_in_s"], 0.0);
+    EXPECT_FALSE(get("/api/v1/workers").json()["items"][0].contains("waits_for"));
+    EXPECT_EQ(queue_waits_for(), "");
 }
 
 TEST_F(QueueTest, ChangesAJobThatWaits) {

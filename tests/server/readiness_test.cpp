@@ -56,6 +56,15 @@ TEST(ReadinessTest, NotReadyWithoutAPlaceForBlobs) {
     ready(server, 200);
 }
 
+TEST(ReadinessTest, NotReadyWithoutTheBlobsOfItsCatalog) {
+    const TestServer server;
+    ready(server, 200);
+    std::filesystem::rename(server.data() / "blobs", server.data() / "away");
+    EXPECT_NE(detail_of(ready(server, 503)).find("may not be mounted"), std::string::npos);
+    std::filesystem::rename(server.data() / "away", server.data() / "blobs");
+    ready(server, 200);
+}
+
 TEST(ReadinessTest, NotReadyOnAFullDisk) {
     server::ServerConfig config;
     config.min_free_bytes = std::int64_t{1} << 60;

@@ -51,6 +51,22 @@ TEST(StartTest, MakesOneTokenThatItsOwnerAloneCanRead) {
     EXPECT_EQ(again.first_token(), "");
 }
 
+TEST(StartTest, DoesNotServeWithoutTheBlobsOfItsCatalog) {
+    const TemporaryFolder folder;
+    server::ServerConfig config;
+    config.listen = "127.0.0.1:0";
+    config.data = folder.path();
+    { const server::Server first(config); }
+    std::filesystem::rename(folder / "blobs", folder / "away");
+    EXPECT_THROW(server::Server{config}, Error);
+    EXPECT_FALSE(std::filesystem::exists(folder / "blobs")) << "a store was made";
+    storage::open_blob_store((folder / "blobs").string());  // another one
+    EXPECT_THROW(server::Server{config}, Error);
+    std::filesystem::remove_all(folder / "blobs");
+    std::filesystem::rename(folder / "away", folder / "blobs");
+    const server::Server again(config);
+}
+
 TEST(StartTest, TheFirstTokenIsNotedOnce) {
     const TemporaryFolder data;
     for (int i = 0; i < 2; ++i) const Server server(config_at(data, "127.0.0.1:0"));

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "storage/blob_store.hpp"
+#include "storage/data_id.hpp"
 #include "storage/truth_store.hpp"
 #include "tests/storage/store_fixture.hpp"
 
@@ -50,6 +51,9 @@ public:
         return blobs_.children(prefix);
     }
     std::int64_t free_bytes() override { return blobs_.free_bytes(); }
+    std::string data_id() override { return blobs_.data_id(); }
+    void set_data_id(const std::string& id) override { blobs_.set_data_id(id); }
+    std::string location() const override { return blobs_.location(); }
 
 private:
     BlobStore& blobs_;
@@ -117,6 +121,31 @@ TEST_F(BackupTest, WhatIsRestoredIsWhatWasThere) {
     EXPECT_EQ(blobs->open(dive.blob)->size_bytes(), 3'000'000);
     EXPECT_FALSE(fs::exists(file_.string() + ".part"));
     EXPECT_FALSE(fs::exists(file_.string() + ".catalog"));
+}
+
+TEST_F(BackupTest, WhatIsRestoredHasAnIdOfItsOwn) {
+    stored_dive("a");
+    claim_data(catalog_, *blobs_);
+    backup();
+    restore("copy");
+
+    Catalog catalog("sqlite://" + (folder_ / "copy/catalog.db").string(), Opening::ExistingOnly);
+    const auto blobs = open_blob_store((folder_ / "copy/blobs").string());
+    EXPECT_EQ(data_mismatch(catalog, *blobs), "");
+    EXPECT_NE(blobs->data_id(), blobs_->data_id());
+    EXPECT_NE(data_mismatch(catalog, *blobs_), "");
+    claim_data(catalog, *blobs);
+}
+
+TEST_F(BackupTest, ACatalogIsRestoredBesideTheBlobsThatAreLeft) {
+    stored_dive("a");
+    claim_data(catalog_, *blobs_);
+    backup();
+    read_backup(file_, folder_ / "new.db", *blobs_);
+
+    Catalog catalog("sqlite://" + (folder_ / "new.db").string());
+    claim_data(catalog, *blobs_);
+    EXPECT_EQ(data_mismatch(catalog, *blobs_), "");
 }
 
 TEST_F(BackupTest, OthersMayWriteWhileItIsMade) {

@@ -225,6 +225,75 @@ TEST_F(QueueTest, SaysNothingOfWhatIsNotKnown) {
     EXPECT_EQ(forecast_.of(first, catalog_)->starts_in_s, -1.0);
 }
 
+TEST_F(QueueTest, SaysWhyAJobDoesNotStart) {
+    const Job job = enqueue(ready_dive_of("lab", "wreck"));
+    const auto reason = [&] { return forecast_.waits_for(jobs_.get(job.id), catalog_); };
+    const auto starts_in_s = [&] { return forecast_.of(jobs_.get(job.id), catalog_)->starts_in_s; };
+    EXPECT_EQ(reason(), "worker");
+    workers_.report("worker", 1);
+    EXPECT_EQ(reason(), "");
+    EXPECT_EQ(starts_in_s(), 0.0);
+
+    for (const char* obstacle : {"disk", "storage"}) {
+        workers_.report("worker", 1, obstacle);
+        EXPECT_EQ(reason(), obstacle);
+        EXPECT_EQ(starts_in_s(), -1.0);
+    }
+    workers_.report("another", 1);  // one that takes jobs is enough
+    EXPECT_EQ(reason(), "");
+    EXPECT_EQ(queues_.waits_for(), "");
+    workers_.remove("another");
+    workers_.report("worker", 1);
+    workers_.set_draining("worker", true);
+    EXPECT_EQ(reason(), "drain");
+    EXPECT_EQ(queues_.waits_for(), "drain");
+    EXPECT_EQ(starts_in_s(), -1.0);
+    workers_.set_draining("worker", false);
+    queues_.change("lab", {.paused = true});
+    EXPECT_EQ(reason(), "queue_paused");
+    EXPECT_EQ(queues_.waits_for(), "");  // other projects go on
+    queues_.change("lab", {.paused = false});
+    queues_.change("", {.paused = true});
+    EXPECT_EQ(reason(), "queue_paused");
+    EXPECT_EQ(queues_.waits_for(), "queue_paused");
+    EXPECT_EQ(starts_in_s(), -1.0);
+}
+
+TEST_F(QueueTest, SaysThatALimitKeepsAJobBack) {
+    const Dive wreck = ready_dive_of("lab", "wreck");
+    workers_.report("worker", 4);
+    set_speed(0.5);
+    enqueue(wreck);
+    const Job second = enqueue(wreck);
+    const Job other = enqueue(ready_dive_of("club", "reef"));
+    queues_.change("lab", {.max_running = 1});
+    EXPECT_EQ(forecast_.waits_for(second, catalog_), "");
+    const Lease running = claim().lease;
+
+    EXPECT_EQ(forecast_.waits_for(second, catalog_), "limit");
+    EXPECT_EQ(forecast_.of(second, catalog_)->starts_in_s, -1.0);
+    EXPECT_EQ(forecast_.waits_for(other, catalog_), "");
+    jobs_.succeed(running, {});
+    EXPECT_EQ(forecast_.waits_for(second, catalog_), "");
+}
+
+TEST_F(QueueTest, SaysWhatHoldsAJob) {
+    workers_.report("worker", 1);
+    const Dive dive = ready_dive_of("lab", "wreck");
+    const Job parent = enqueue(dive);
+    const Job child =
+        jobs_.enqueue({.dive_id = dive.id, .preset = "fast", .parents = {parent.id}}).job;
+
+    EXPECT_EQ(forecast_.waits_for(child, catalog_), "parent");
+    EXPECT_EQ(forecast_.waits_for(jobs_.change(parent.id, {.paused = true}), catalog_), "paused");
+    jobs_.change(parent.id, {.paused = false});
+    JobStore(catalog_).fail(claim().lease, {ErrorCode::Unavailable, "crashed"});
+    const Job failed = jobs_.get(parent.id);
+    EXPECT_EQ(forecast_.waits_for(failed, catalog_), "retry");
+    EXPECT_EQ(forecast_.of(failed, catalog_)->starts_in_s, 0.0);  // within five seconds
+    EXPECT_EQ(forecast_.waits_for(jobs_.cancel(parent.id), catalog_), "");
+}
+
 TEST_F(QueueTest, LearnsHowLongJobsTake) {
     const Dive dive = ready_dive_of("lab", "wreck");
     workers_.report("worker", 1);

@@ -41,6 +41,41 @@ TEST_F(RetryPolicyTest, AJobThatRanOutOfMemoryRunsOnceMoreWithLessThenIsDead) {
     EXPECT_FALSE(jobs_.retry(job.id).lowered);
 }
 
+TEST_F(RetryPolicyTest, AnAttemptThatItsWorkerFailedDoesNotCount) {
+    const Job job = enqueue(ready_dive(), 1);
+    for (int i = 1; i <= 5; ++i) {
+        EXPECT_TRUE(
+            jobs_.return_to_queue(claim().lease, {ErrorCode::OutOfSpace, "the disk is full"}));
+        const Job waiting = jobs_.get(job.id);
+        EXPECT_EQ(waiting.state, JobState::Queued);
+        EXPECT_EQ(waiting.num_attempts, 0);
+        EXPECT_EQ(waiting.failure.message, "the disk is full");
+        EXPECT_EQ(jobs_.attempts(job.id).size(), static_cast<std::size_t>(i));
+    }
+    const Lease last = claim().lease;
+    jobs_.cancel(job.id);
+    EXPECT_TRUE(jobs_.return_to_queue(last, {ErrorCode::OutOfSpace, "the disk is full"}));
+    EXPECT_EQ(jobs_.get(job.id).state, JobState::Cancelled);
+    EXPECT_FALSE(jobs_.return_to_queue(last, {ErrorCode::OutOfSpace, "the disk is full"}));
+}
+
+TEST_F(RetryPolicyTest, AJobIsPutBackForLongerEachTime) {
+    const Job job = enqueue(ready_dive(), 1);
+    JobStore jobs(catalog_, {.first = std::chrono::hours(1), .max = std::chrono::hours(8)});
+    std::int64_t pause_ms = 0;
+    for (int i = 0; i < 3; ++i) {
+        jobs.return_to_queue(claim().lease, {ErrorCode::OutOfSpace, "the disk is full"});
+        const std::int64_t due_ms = jobs.get(job.id).not_before_ms;
+        catalog_.transaction([&](soci::session& session) {
+            std::int64_t now_ms = Catalog::now_ms(session);
+            EXPECT_GE(due_ms - now_ms, pause_ms - 60'000);
+            pause_ms = due_ms - now_ms;
+            session << "UPDATE jobs SET not_before_ms = 0";
+        });
+    }
+    EXPECT_GE(pause_ms, 2 * kHour_ms - 60'000);
+}
+
 TEST_F(RetryPolicyTest, WantOfMemoryAtTheLastAttemptIsTriedOnceMoreWithLess) {
     const Job job = enqueue(ready_dive(), 2);
     jobs_.fail(claim().lease, {ErrorCode::Unavailable, "no network"});

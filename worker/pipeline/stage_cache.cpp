@@ -5,24 +5,19 @@
 #include <fcntl.h>
 #include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdlib.h>
 #include <string_view>
-#include <sys/file.h>
 #include <unistd.h>
 
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "schemas/file_descriptor.hpp"
+#include "worker/base/cache_folder.hpp"
 #include "worker/pipeline/link_or_copy.hpp"
 
 namespace divemesh::pipeline {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kListName = "files.json";
-constexpr const char* kTemporary = "new.";  // being written or removed
-constexpr auto kTemporaryFoldersLive = std::chrono::hours(24);
 
 struct CachedFile {
     std::string name;  // relative, may contain folders
@@ -83,7 +78,7 @@ nlohmann::json to_json(const std::vector<CachedFile>& files) {
 
 // Reads the list of an entry; throws if it is not one of this program.
 std::vector<CachedFile> read_list(const fs::path& entry) {
-    std::ifstream stream(entry / kListName);
+    std::ifstream stream(entry / base::kCacheListName);
     std::vector<CachedFile> files;
     for (const auto& item : nlohmann::json::parse(stream)) {
         CachedFile file{item.at("name").get<std::string>(),
@@ -96,11 +91,11 @@ std::vector<CachedFile> read_list(const fs::path& entry) {
 }
 
 void write_list(const fs::path& entry, const std::vector<CachedFile>& files) {
-    std::ofstream stream(entry / kListName);
+    std::ofstream stream(entry / base::kCacheListName);
     stream << to_json(files);
     stream.close();
-    if (!stream) give_up(entry / kListName);
-    sync(entry / kListName, O_RDONLY);
+    if (!stream) give_up(entry / base::kCacheListName);
+    sync(entry / base::kCacheListName, O_RDONLY);
 }
 
 void sync_folders(const fs::path& entry) {
@@ -115,35 +110,7 @@ std::int64_t size_of(const std::vector<CachedFile>& files) {
     return bytes;
 }
 
-fs::path make_temporary(const fs::path& folder) {
-    std::string name = (folder / (std::string(kTemporary) + "XXXXXX")).string();
-    if (::mkdtemp(name.data()) == nullptr) give_up(folder);
-    return name;
-}
-
-bool is_temporary(const fs::path& path) { return path.filename().string().starts_with(kTemporary); }
-
-// A lock, so that only one process at a time removes entries.
-class Lock {
-public:
-    explicit Lock(const fs::path& folder)
-        : file_(::open((folder / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)) {
-        held_ = file_.is_open() && ::flock(file_.get(), LOCK_EX) == 0;
-    }
-    bool held() const { return held_; }
-
-private:
-    FileDescriptor file_;
-    bool held_ = false;
-};
-
 }  // namespace
-
-struct StageCache::Entry {
-    fs::path path;
-    fs::file_time_type used;
-    std::int64_t size_bytes = 0;
-};
 
 StageCache::StageCache(fs::path folder, std::int64_t max_bytes)
     : folder_(max_bytes > 0 ? std::move(folder) : fs::path()), max_bytes_(max_bytes) {
@@ -157,7 +124,7 @@ bool StageCache::fetch(const std::string& key, const fs::path& into) {
     const fs::path entry = folder_ / key;
     std::vector<fs::path> fetched;
     try {
-        if (!fs::exists(entry / kListName)) return false;
+        if (!fs::exists(entry / base::kCacheListName)) return false;
         for (const CachedFile& file : read_list(entry)) {
             fetched.push_back(into / file.name);
             link_or_copy(entry / file.name, fetched.back());
@@ -165,7 +132,7 @@ bool StageCache::fetch(const std::string& key, const fs::path& into) {
                 hash_of(fetched.back()) != file.sha256)
                 give_up(fetched.back());
         }
-        fs::last_write_time(entry / kListName, fs::file_time_type::clock::now());
+        fs::last_write_time(entry / base::kCacheListName, fs::file_time_type::clock::now());
         return true;
     } catch (const std::exception&) {  // damaged, or removed by another process meanwhile
         std::error_code ignored;
@@ -181,7 +148,7 @@ void StageCache::store(const std::string& key,
     if (!is_open()) return;
     try {
         write(key, from, names);
-        evict();
+        base::limit_cache(folder_, max_bytes_);
     } catch (const std::exception&) {  // most likely a full disk; the stage is still done
     }
 }
@@ -190,7 +157,7 @@ void StageCache::write(const std::string& key,
                        const fs::path& from,
                        const std::vector<std::string>& names) const {
     if (fs::exists(folder_ / key)) return;
-    const fs::path entry = make_temporary(folder_);
+    const fs::path entry = base::make_temporary_entry(folder_);
     try {
         std::vector<CachedFile> files;
         for (const std::string& name : names)
@@ -215,50 +182,7 @@ void StageCache::write(const std::string& key,
 }
 
 void StageCache::drop(const std::string& key) {
-    if (is_open()) remove(folder_ / key);
-}
-
-// Renames the entry first, so that other processes never find half an entry.
-void StageCache::remove(const fs::path& entry) const {
-    try {
-        const fs::path trash = make_temporary(folder_);
-        std::error_code failure;
-        fs::rename(entry, trash / "entry", failure);
-        fs::remove_all(trash, failure);
-    } catch (const std::exception&) {  // the entry stays; the next removal tries again
-    }
-}
-
-void StageCache::evict() const {
-    const Lock lock(folder_);
-    if (!lock.held()) return;
-    std::vector<Entry> entries;
-    std::int64_t bytes = 0;
-    for (const auto& found : fs::directory_iterator(folder_)) {
-        if (!found.is_directory()) continue;
-        std::error_code failure;
-        if (is_temporary(found.path())) {  // left by a killed process
-            const auto age = fs::file_time_type::clock::now() - found.last_write_time(failure);
-            if (!failure && age > kTemporaryFoldersLive) fs::remove_all(found.path(), failure);
-            continue;
-        }
-        try {
-            entries.push_back({found.path(),
-                               fs::last_write_time(found.path() / kListName),
-                               size_of(read_list(found.path()))});
-            bytes += entries.back().size_bytes;
-        } catch (const std::exception&) {
-            remove(found.path());
-        }
-    }
-    std::sort(entries.begin(), entries.end(), [](const Entry& a, const Entry& b) {
-        return a.used < b.used;
-    });
-    for (const Entry& entry : entries) {
-        if (bytes <= max_bytes_) return;
-        remove(entry.path);
-        bytes -= entry.size_bytes;
-    }
+    if (is_open()) base::remove_cache_entry(folder_, folder_ / key);
 }
 
 }  // namespace divemesh::pipeline

@@ -13,7 +13,8 @@ namespace divemesh::pipeline {
 // list of their sizes and hashes; it is written under a temporary name, synced and renamed. Files
 // are hard-linked in and out if the file system allows. Several processes may use one folder. An
 // entry that does not match its list is removed and counts as missing. Above `max_bytes` the least
-// recently used entries are removed.
+// recently used entries are removed, and others may remove entries at any time for space on the
+// disk (base/cache_folder.hpp): what was fetched stays.
 class StageCache final : public StageStore {
 public:
     StageCache() = default;  // a store that stays empty
@@ -27,14 +28,10 @@ public:
     void drop(const std::string& key) override;
 
 private:
-    struct Entry;
-
     bool is_open() const { return !folder_.empty(); }
     void write(const std::string& key,
                const std::filesystem::path& from,
                const std::vector<std::string>& names) const;
-    void remove(const std::filesystem::path& entry) const;
-    void evict() const;
 
     std::filesystem::path folder_;
     std::int64_t max_bytes_ = 0;

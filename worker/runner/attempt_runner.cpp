@@ -13,6 +13,8 @@
 #include "schemas/error.hpp"
 #include "schemas/log.hpp"
 #include "worker/runner/artifact_files.hpp"
+#include "worker/runner/disk_room.hpp"
+#include "worker/runner/own_storage.hpp"
 #include "worker/runner/scratch_usage.hpp"
 
 namespace divemesh::runner {
@@ -21,6 +23,8 @@ namespace {
 using namespace std::chrono_literals;
 constexpr auto kReadTimeout = 100ms;
 constexpr auto kMeasureEvery = 2s;
+constexpr std::int64_t kRoomAhead_bytes = std::int64_t{1} << 30;  // for what is written meanwhile
+constexpr pid_t kNoProcess = -1;
 constexpr auto kReportEvery = 500ms;
 constexpr std::size_t kMaxPendingLogBytes = std::size_t{512} << 10;  // more than the catalog keeps
 constexpr int kMaxReportedStages = 64;
@@ -89,7 +93,7 @@ void AttemptRunner::run(const std::stop_token& stop) {
          .renew_every = config_.renew_every,
          .check_every = config_.poll_every});
     try {
-        const attempt::AttemptRequest request = write_request();
+        const auto request = on_own_storage([&] { return write_request(); });
         supervise(keeper, stop);
         if (stop_ != Stop::None)
             conclude_stopped();
@@ -97,15 +101,17 @@ void AttemptRunner::run(const std::stop_token& stop) {
             conclude(*result_, request);
         else
             fail(failure_of(end_));
+    } catch (const StorageError& error) {
+        put_back({error.code(), error.what()});
     } catch (const Error& error) {
         fail({error.code(), error.what()});
-    } catch (const std::filesystem::filesystem_error& error) {
-        const bool full = error.code() == std::errc::no_space_on_device;
-        fail({full ? ErrorCode::OutOfSpace : ErrorCode::Unavailable, error.what()});
     } catch (const std::exception& error) {
         log_warning({{"event", "worker_failed"}, {"job", claim_.job.id}, {"what", error.what()}});
         fail({ErrorCode::Unavailable, "internal error of the worker: see its log"});
     }
+}
+
+void AttemptRunner::remove_scratch() const {
     std::error_code ignored;
     std::filesystem::remove_all(folder(), ignored);
 }
@@ -163,18 +169,22 @@ void AttemptRunner::fetch_reconstruction(const std::vector<Artifact>& artifacts,
     }
 }
 
+// Returns how much of the disk the attempt may use. It is less than what there is, so a disk that
+// is full has been filled by others.
+std::int64_t AttemptRunner::scratch_share() const {
+    const bool is_configured = config_.scratch_bytes > 0;
+    const auto room = DiskRoom(config_).reachable_bytes();
+    if (!room)
+        return is_configured ? config_.scratch_bytes : std::numeric_limits<std::int64_t>::max();
+    const std::int64_t usable = *room / 10 * 9;
+    if (is_configured) return std::min(config_.scratch_bytes, std::max(kMinScratch_bytes, usable));
+    return std::max(kMinScratch_bytes, usable / std::max(1, config_.num_slots));
+}
+
 // Returns the configured limits, and those that follow from the attempt's time and disk space.
 ProcessLimits AttemptRunner::limits() {
-    std::error_code unknown;
-    const auto space = std::filesystem::space(folder(), unknown);
-    scratch_bytes_ = config_.scratch_bytes;
-    if (scratch_bytes_ <= 0)
-        scratch_bytes_ =
-            unknown
-                ? std::numeric_limits<std::int64_t>::max()
-                : std::max(kMinScratch_bytes,
-                           (static_cast<std::int64_t>(space.available) - config_.min_free_bytes) /
-                               10 * 9 / std::max(1, config_.num_slots));
+    scratch_bytes_ = scratch_share();
+    DiskRoom(config_).make(kRoomAhead_bytes);
     ProcessLimits limits = config_.limits;
     if (limits.max_file_bytes <= 0) limits.max_file_bytes = scratch_bytes_;
     return limits;
@@ -276,6 +286,7 @@ Stop AttemptRunner::reason_to_stop(const LeaseKeeper& keeper,
     if (Clock::now() - heard_ > config_.stall) return Stop::Stalled;
     if (Clock::now() - measured_ > kMeasureEvery) {
         measured_ = Clock::now();
+        DiskRoom(config_).make(kRoomAhead_bytes);
         if (scratch_usage_bytes(folder(), child.pid()) > scratch_bytes_) return Stop::ScratchFull;
     }
     return Stop::None;
@@ -329,7 +340,7 @@ void AttemptRunner::conclude(const attempt::AttemptMessage& result,
         return publish_intake(*intake, request);
     if (end_.exit_code != 0 || end_.signal != 0) return fail(failure_of(end_));
     const auto begun = Clock::now();
-    const auto artifacts = store_artifacts(request);
+    const auto artifacts = on_own_storage([&] { return store_artifacts(request); });
     const std::chrono::duration<double> taken = Clock::now() - begun;
     const StageRun publish{.name = "publish", .seconds = taken.count()};
     if (!persist([&] { return jobs_.report_stage(claim_.lease, publish); })) return remove_blobs();
@@ -349,7 +360,8 @@ void AttemptRunner::publish_intake(const attempt::IntakeAnswer& answer,
                                  .duration_s = answer.duration_s};
     if (answer.has_thumbnail) {
         result.thumbnail_blob = blob_prefix() + "thumbnail.jpg";
-        blobs_.put_file(result.thumbnail_blob, request.out / "thumbnail.jpg");
+        on_own_storage(
+            [&] { blobs_.put_file(result.thumbnail_blob, request.out / "thumbnail.jpg"); });
     }
     if (!persist([&] { return jobs_.finish_intake(claim_.lease, result); })) remove_blobs();
 }
@@ -366,13 +378,35 @@ std::vector<Artifact> AttemptRunner::store_artifacts(const attempt::AttemptReque
 }
 
 void AttemptRunner::fail(const Failure& failure) {
+    if (const auto fault = fault_of_worker(gate_, failure, filled_the_disk()))
+        return put_back(*fault);
     log_info({{"event", "attempt_failed"},
               {"job", claim_.job.id},
               {"attempt", claim_.lease.attempt},
               {"code", to_string(failure.code)},
               {"what", failure.message}});
     remove_blobs();
+    remove_scratch();  // first, because the catalog may be on the same full disk
     persist([&] { return jobs_.fail(claim_.lease, failure, unreadable_truth_); });
+}
+
+// Returns whether the attempt has used most of the space that it may use.
+bool AttemptRunner::filled_the_disk() const {
+    return stop_ == Stop::ScratchFull ||
+           (scratch_bytes_ > 0 &&
+            scratch_usage_bytes(folder(), kNoProcess) > scratch_bytes_ / 4 * 3);
+}
+
+// Returns the job to the queue without counting the attempt: not the job failed, but this worker.
+void AttemptRunner::put_back(const Failure& failure) {
+    log_warning({{"event", "attempt_put_back"},
+                 {"job", claim_.job.id},
+                 {"attempt", claim_.lease.attempt},
+                 {"code", to_string(failure.code)},
+                 {"what", failure.message}});
+    remove_blobs();
+    remove_scratch();
+    persist([&] { return jobs_.return_to_queue(claim_.lease, failure); });
 }
 
 // Keeps what a reconstruction that is not usable has left: it shows why.
@@ -383,7 +417,8 @@ void AttemptRunner::fail_with_partial_result(const Failure& failure,
               {"attempt", claim_.lease.attempt},
               {"code", to_string(failure.code)},
               {"what", failure.message}});
-    const storage::PartialResult partial{store_artifacts(request), measurement_};
+    const storage::PartialResult partial{on_own_storage([&] { return store_artifacts(request); }),
+                                         measurement_};
     if (!persist([&] { return jobs_.fail(claim_.lease, failure, unreadable_truth_, partial); }))
         remove_blobs();
 }
@@ -401,14 +436,16 @@ void AttemptRunner::remove_blobs() const {
     }
 }
 
-// Makes the last write of an attempt: if the catalog is unreachable, retries for as long as the
-// lease can last; after that the job may belong to another worker.
+// Makes the last write of an attempt: if the catalog is unreachable or its disk full, retries for
+// as long as the lease can last; after that the job may belong to another worker.
 bool AttemptRunner::persist(const std::function<bool()>& write) const {
     for (const auto give_up = Clock::now() + config_.lease;;) {
         try {
             return write();
         } catch (const Error& error) {
-            if (error.code() != ErrorCode::Unavailable || Clock::now() > give_up) throw;
+            const bool may_pass =
+                error.code() == ErrorCode::Unavailable || error.code() == ErrorCode::OutOfSpace;
+            if (!may_pass || Clock::now() > give_up) throw;
             log_warning(
                 {{"event", "result_not_written"}, {"job", claim_.job.id}, {"what", error.what()}});
         }

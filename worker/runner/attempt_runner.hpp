@@ -14,6 +14,7 @@
 #include "worker/runner/child_process.hpp"
 #include "worker/runner/job_runner.hpp"
 #include "worker/runner/lease_keeper.hpp"
+#include "worker/runner/worker_gate.hpp"
 
 namespace divemesh::runner {
 
@@ -26,8 +27,12 @@ public:
     AttemptRunner(const WorkerConfig& config,
                   storage::JobStore& jobs,
                   storage::BlobStore& blobs,
+                  WorkerGate& gate,
                   storage::Claim claim)
-        : config_(config), jobs_(jobs), blobs_(blobs), claim_(std::move(claim)) {}
+        : config_(config), jobs_(jobs), blobs_(blobs), gate_(gate), claim_(std::move(claim)) {}
+    ~AttemptRunner() { remove_scratch(); }
+    AttemptRunner(const AttemptRunner&) = delete;
+    AttemptRunner& operator=(const AttemptRunner&) = delete;
 
     void run(const std::stop_token& stop);
 
@@ -38,6 +43,7 @@ private:
     void fetch_inputs(attempt::AttemptRequest& request) const;
     void fetch_reconstruction(const std::vector<Artifact>& artifacts,
                               const std::filesystem::path& into) const;
+    std::int64_t scratch_share() const;
     ProcessLimits limits();
     void supervise(const LeaseKeeper& keeper, const std::stop_token& stop);
     void read_lines(std::string& buffer);
@@ -55,6 +61,9 @@ private:
                         const attempt::AttemptRequest& request);
     std::vector<Artifact> store_artifacts(const attempt::AttemptRequest& request);
     void fail(const Failure& failure);
+    void put_back(const Failure& failure);
+    bool filled_the_disk() const;
+    void remove_scratch() const;
     void fail_with_partial_result(const Failure& failure, const attempt::AttemptRequest& request);
     void remove_blobs() const;
     bool persist(const std::function<bool()>& write) const;
@@ -68,6 +77,7 @@ private:
     const WorkerConfig& config_;
     storage::JobStore& jobs_;
     storage::BlobStore& blobs_;
+    WorkerGate& gate_;
     storage::Claim claim_;
     Clock::time_point started_ = Clock::now();
     Clock::time_point heard_ = Clock::now();     // last message from the child

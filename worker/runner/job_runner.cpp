@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <mutex>
+#include <optional>
 #include <random>
 #include <thread>
 #include <unistd.h>
@@ -13,16 +14,16 @@
 #include "schemas/log.hpp"
 #include "storage/blob_store.hpp"
 #include "storage/catalog.hpp"
+#include "storage/data_id.hpp"
 #include "storage/job_store.hpp"
-#include "storage/worker_store.hpp"
 #include "worker/runner/attempt_runner.hpp"
+#include "worker/runner/registration.hpp"
 #include "worker/runner/work_folder.hpp"
+#include "worker/runner/worker_gate.hpp"
 
 namespace divemesh::runner {
 namespace {
 
-using namespace std::chrono_literals;
-constexpr auto kReportEvery = 5s;
 constexpr std::int64_t kMaxOpenFiles = 1024;
 
 // Returns a unique name: two containers may share host name and process ids.
@@ -33,48 +34,6 @@ std::string make_worker_name() {
     std::snprintf(random, sizeof random, "%08x", std::random_device{}());
     return std::string(host) + ":" + std::to_string(getpid()) + ":" + random;
 }
-
-// Reports every few seconds that the worker is alive, and in the end that it has stopped.
-class Registration {
-public:
-    Registration(storage::Catalog& catalog, std::string name, int num_slots)
-        : workers_(catalog), name_(std::move(name)), num_slots_(num_slots) {
-        workers_.report(name_, num_slots_);
-        thread_ = std::jthread([this](const std::stop_token& stop) { run(stop); });
-    }
-    ~Registration() {
-        thread_.request_stop();
-        thread_.join();
-        try {
-            workers_.remove(name_);
-        } catch (const std::exception& error) {
-            log_warning({{"event", "not_registered"}, {"what", error.what()}});
-        }
-    }
-    Registration(const Registration&) = delete;
-    Registration& operator=(const Registration&) = delete;
-
-private:
-    void run(const std::stop_token& stop) {
-        std::mutex mutex;
-        std::condition_variable_any wake;
-        while (!stop.stop_requested()) {
-            std::unique_lock lock(mutex);
-            wake.wait_for(lock, stop, kReportEvery, [] { return false; });
-            if (stop.stop_requested()) return;
-            try {
-                workers_.report(name_, num_slots_);
-            } catch (const std::exception& error) {
-                log_warning({{"event", "not_registered"}, {"what", error.what()}});
-            }
-        }
-    }
-
-    storage::WorkerStore workers_;
-    std::string name_;
-    int num_slots_;
-    std::jthread thread_;
-};
 
 // Sets the default limits of an attempt. With a limit above the machine's memory the kernel would
 // choose which process to kill.
@@ -96,46 +55,34 @@ void isolate(WorkerConfig& config) {
                       "are not available"}});
 }
 
-// Stops new work on a nearly full disk: reading and deleting need the rest.
-class RoomOnDisk {
-public:
-    explicit RoomOnDisk(const WorkerConfig& config) : config_(config) {}
-
-    bool is_there() {
-        std::error_code unknown;
-        const auto space = std::filesystem::space(config_.work_folder, unknown);
-        const bool full =
-            !unknown &&
-            static_cast<std::int64_t>(space.available) - kMinScratch_bytes < config_.min_free_bytes;
-        if (full != was_full_)
-            log_warning({{"event", full ? "disk_nearly_full" : "disk_has_room"},
-                         {"folder", config_.work_folder.string()}});
-        was_full_ = full;
-        return !full;
-    }
-
-private:
-    const WorkerConfig& config_;
-    bool was_full_ = false;
+// What the slots of a worker share.
+struct Slots {
+    const WorkerConfig& config;
+    const std::string& name;
+    storage::JobStore& jobs;
+    storage::BlobStore& blobs;
+    WorkerGate& gate;
+    Registration& registration;
 };
 
-void run_slot(const WorkerConfig& config,
-              const std::string& name,
-              storage::JobStore& jobs,
-              storage::BlobStore& blobs,
-              const std::stop_token& stop) {
+std::optional<storage::Claim> claim_if_able(const Slots& slots) {
+    const std::string waits_for = slots.gate.waits_for();
+    slots.registration.set_waits_for(waits_for);
+    return waits_for.empty() ? slots.jobs.claim(slots.name, slots.config.lease) : std::nullopt;
+}
+
+void run_slot(const Slots& slots, const std::stop_token& stop) {
     std::mutex mutex;
     std::condition_variable_any wake;
-    RoomOnDisk room(config);
     while (!stop.stop_requested()) {
         bool worked = false;
         try {
-            auto claim = room.is_there() ? jobs.claim(name, config.lease) : std::nullopt;
-            if (claim) {
+            if (auto claim = claim_if_able(slots)) {
                 log_info({{"event", "attempt_began"},
                           {"job", claim->job.id},
                           {"attempt", claim->lease.attempt}});
-                AttemptRunner(config, jobs, blobs, std::move(*claim)).run(stop);
+                AttemptRunner(slots.config, slots.jobs, slots.blobs, slots.gate, std::move(*claim))
+                    .run(stop);
                 worked = true;
             }
         } catch (const std::exception& error) {  // the catalog is unreachable: try again
@@ -143,7 +90,7 @@ void run_slot(const WorkerConfig& config,
         }
         if (worked) continue;
         std::unique_lock lock(mutex);
-        wake.wait_for(lock, stop, config.poll_every, [] { return false; });
+        wake.wait_for(lock, stop, slots.config.poll_every, [] { return false; });
     }
 }
 
@@ -151,21 +98,23 @@ void run_slot(const WorkerConfig& config,
 
 void run_worker(const WorkerConfig& config, std::stop_token stop) {
     std::signal(SIGXFSZ, SIG_IGN);  // a file that cannot grow is an error of write()
-    storage::Catalog catalog(config.catalog_url);
-    const auto blobs = storage::open_blob_store(config.blobs_url);
+    storage::Catalog catalog(config.catalog_url, storage::Opening::ExistingOnly);
+    const auto blobs = storage::open_blob_store(config.blobs_url, storage::Opening::ExistingOnly);
+    storage::require_same_data(catalog, *blobs);
     storage::JobStore jobs(catalog);
     const std::string name = make_worker_name();
-    const Registration registration(catalog, name, config.num_slots);
+    Registration registration(catalog, name, config.num_slots);
 
     const WorkFolder work_folder(config.work_folder);
     WorkerConfig own = config;
     own.work_folder = work_folder.path();
     isolate(own);
-    std::vector<std::thread> slots;
-    slots.reserve(static_cast<std::size_t>(config.num_slots));
-    for (int i = 0; i < config.num_slots; ++i)
-        slots.emplace_back([&] { run_slot(own, name, jobs, *blobs, stop); });
-    for (std::thread& slot : slots) slot.join();
+    WorkerGate gate(own, catalog, *blobs);
+    const Slots slots{own, name, jobs, *blobs, gate, registration};
+    std::vector<std::thread> threads;
+    threads.reserve(static_cast<std::size_t>(config.num_slots));
+    for (int i = 0; i < config.num_slots; ++i) threads.emplace_back([&] { run_slot(slots, stop); });
+    for (std::thread& thread : threads) thread.join();
 }
 
 }  // namespace divemesh::runner

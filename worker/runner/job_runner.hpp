@@ -37,7 +37,8 @@ struct WorkerConfig {
 
 // The parent process of a worker: claims jobs, runs each attempt in a child, renews the lease by
 // timer and publishes the results. Returns when `stop` is requested, after it has returned running
-// attempts to the queue. Throws Error{Unavailable} if the catalog or blob store cannot be opened.
+// attempts to the queue. Throws Error{Unavailable} if catalog or blob store are not there (it
+// creates neither) or do not belong together.
 void run_worker(const WorkerConfig& config, std::stop_token stop);
 
 }  // namespace divemesh::runner

@@ -7,7 +7,9 @@
 #include <iterator>
 #include <thread>
 
+#include "tests/small_disk.hpp"
 #include "tests/temporary_folder.hpp"
+#include "worker/base/cache_folder.hpp"
 
 namespace divemesh::pipeline {
 namespace {
@@ -127,6 +129,82 @@ TEST_F(StageCacheTest, WhatAKilledProcessWasWritingIsNoEntryAndGoesInTheEnd) {
     store(cache_, "b");
 
     EXPECT_FALSE(fs::exists(cache_folder_ / "new.abcdef"));
+}
+
+constexpr std::int64_t kAllOfTheDisk = std::int64_t{1} << 60;
+
+TEST_F(StageCacheTest, GivesUpForSpaceOnTheDiskWhatNoAttemptUses) {
+    store(cache_, "idle");
+    fs::remove_all(folder_ / "from-idle");
+    store(cache_, "own");  // its attempt still runs, with the files as links
+    store(cache_, "fetched");
+    fs::remove_all(folder_ / "from-fetched");
+    const fs::path attempt = folder_ / "attempt";
+    fs::create_directories(attempt);
+    ASSERT_TRUE(cache_.fetch("fetched", attempt));
+
+    base::make_room(cache_folder_, kAllOfTheDisk);
+
+    EXPECT_FALSE(fs::exists(cache_folder_ / "idle"));
+    EXPECT_TRUE(fetch(cache_, "own"));
+    EXPECT_EQ(content(attempt / "track.stage"), std::string(1000, 'a'));
+    fs::remove_all(attempt);
+    for (int i = 1; i <= num_fetches_; ++i) fs::remove_all(folder_ / ("into-" + std::to_string(i)));
+    base::make_room(cache_folder_, kAllOfTheDisk);
+    EXPECT_FALSE(fs::exists(cache_folder_ / "fetched"));
+    EXPECT_TRUE(fs::exists(cache_folder_ / "own"));
+}
+
+TEST_F(StageCacheTest, AnAttemptKeepsWhatItFetchedWhenTheEntryGoes) {
+    store(cache_, "a");
+    const fs::path attempt = folder_ / "attempt";
+    fs::create_directories(attempt);
+    ASSERT_TRUE(cache_.fetch("a", attempt));
+
+    base::limit_cache(cache_folder_, 0);
+
+    EXPECT_FALSE(fs::exists(cache_folder_ / "a"));
+    EXPECT_EQ(content(attempt / "track.stage"), std::string(1000, 'a'));
+    EXPECT_EQ(content(attempt / "keyframes/1.keyframe"), std::string(1000, 'a'));
+}
+
+TEST_F(StageCacheTest, KeepsAllOnADiskWithRoom) {
+    store(cache_, "a");
+    fs::remove_all(folder_ / "from-a");
+
+    base::make_room(cache_folder_, 1);
+    base::make_room(folder_ / "no-cache", kAllOfTheDisk);
+
+    EXPECT_TRUE(fetch(cache_, "a"));
+    EXPECT_FALSE(fs::exists(folder_ / "no-cache"));
+    EXPECT_EQ(base::reachable_free_bytes(folder_ / "no-cache"), 0);
+}
+
+TEST(FullDiskTest, TheCacheGivesUpNoMoreThanIsWanted) {
+    const SmallDisk disk(64);
+    if (!disk.mounted()) GTEST_SKIP() << "needs the right to mount a tmpfs";
+    const auto make_entry = [&](const std::string& key, int age_h) {
+        disk.write(disk.path() / key / "track.stage", 10);
+        std::ofstream(disk.path() / key / base::kCacheListName) << "[]";
+        fs::last_write_time(disk.path() / key / base::kCacheListName,
+                            fs::file_time_type::clock::now() - std::chrono::hours(age_h));
+    };
+    make_entry("b", 3);
+    make_entry("a", 1);
+    make_entry("c", 2);
+    const std::int64_t free_bytes = disk.free_bytes();
+    EXPECT_NEAR(static_cast<double>(base::reachable_free_bytes(disk.path()) - free_bytes),
+                30 << 20,
+                64 << 10);
+
+    base::make_room(disk.path(), free_bytes + (15 << 20));
+
+    EXPECT_FALSE(fs::exists(disk.path() / "b"));
+    EXPECT_FALSE(fs::exists(disk.path() / "c"));
+    EXPECT_TRUE(fs::exists(disk.path() / "a"));
+    disk.fill();  // to remove an entry needs no space
+    base::make_room(disk.path(), 5 << 20);
+    EXPECT_FALSE(fs::exists(disk.path() / "a"));
 }
 
 // Four threads use a cache that holds two entries of five at a time: each fetch gets a whole entry

@@ -36,7 +36,7 @@ protected:
                         "worker",
                         catalog_url_,
                         (folder_ / "blobs").string(),
-                        (folder_ / "work").string(),
+                        work_folder_.string(),
                         "2000",
                         deadline_ms,
                         file_limit_bytes,
@@ -65,6 +65,15 @@ protected:
     bool reaches(const Job& job, JobState state) {
         return wait_until(std::chrono::seconds(60),
                           [&] { return jobs_.get(job.id).state == state; });
+    }
+    // Returns whether an attempt fails and leaves the job in the queue with all its attempts.
+    bool fails_without_counting(const Job& job) {
+        return wait_until(std::chrono::seconds(60), [&] {
+            const auto attempts = jobs_.attempts(job.id);
+            const Job now = jobs_.get(job.id);
+            return !attempts.empty() && attempts.front().state == AttemptState::Failed &&
+                   now.state == JobState::Queued && now.num_attempts == 0;
+        });
     }
     pid_t child_of_marker() {
         EXPECT_TRUE(
@@ -129,6 +138,7 @@ protected:
 
     TemporaryFolder folder_;
     std::filesystem::path marker_ = folder_ / "marker";
+    std::filesystem::path work_folder_ = folder_ / "work";  // the cache is beside it
     std::string catalog_url_ = "sqlite://" + (folder_ / "catalog.db").string();
     storage::Catalog catalog_{catalog_url_};
     storage::UploadStore uploads_{catalog_};

@@ -7,6 +7,7 @@
 #include <string>
 #include <unistd.h>
 
+#include "tests/small_disk.hpp"
 #include "tests/worker/runner/job_runner_fixture.hpp"
 
 namespace divemesh::runner {
@@ -20,13 +21,45 @@ TEST_F(JobRunnerTest, BeginsNothingOnADiskThatIsNearlyFull) {
     {
         Process worker = start_worker("600000", "1000000000", "1000000000", "4000000000000000000");
         ASSERT_TRUE(wait_until(seconds(10), [&] {
-            return worker.stdout_text().find("disk_nearly_full") != std::string::npos;
+            return worker.stdout_text().find("worker_waits") != std::string::npos;
         }));
         EXPECT_EQ(jobs_.get(job.id).state, JobState::Held);
         EXPECT_EQ(dives_.get(job.dive_id).state, DiveState::Checking);
     }
     Process worker = start_worker();
     EXPECT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+}
+
+TEST_F(JobRunnerTest, TheCacheGivesWayToAnAttemptOnADiskThatIsNearlyFull) {
+    const SmallDisk disk(100);
+    if (!disk.mounted()) GTEST_SKIP() << "needs the right to mount a tmpfs";
+    work_folder_ = disk.path() / "work";
+    const auto entry = disk.path() / "work-cache" / "track-1";
+    disk.write(entry / "track.stage", 60);
+    std::ofstream(entry / "files.json") << "[]";
+    const Job job = make_job("ok");
+    Process worker = start_worker("600000", "1000000000", "1000000000", "1048576");
+
+    EXPECT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+    EXPECT_FALSE(std::filesystem::exists(entry));
+}
+
+TEST_F(JobRunnerTest, AnAttemptMayUseTheSpaceOfTheCache) {
+    const SmallDisk disk(200);
+    if (!disk.mounted()) GTEST_SKIP() << "needs the right to mount a tmpfs";
+    work_folder_ = disk.path() / "work";
+    const auto entry = disk.path() / "work-cache" / "track-1";
+    disk.write(entry / "track.stage", 100);
+    std::ofstream(entry / "files.json") << "[]";
+    const Job job = make_job("limits");
+    Process worker = start_worker("600000", "1000000000", "0", "1048576");
+    ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
+
+    std::istringstream limits(
+        read_text(blobs_->local_copy(jobs_.artifact(job.id, "limits.txt").blob, folder_.path())));
+    std::int64_t memory = 0, file = 0;
+    limits >> memory >> file;
+    EXPECT_GT(file, std::int64_t{160} << 20);  // 0.9 of what the disk has beyond --min-free
 }
 
 TEST_F(JobRunnerTest, AnAttemptPastItsDeadlineIsEnded) {
@@ -41,8 +74,8 @@ TEST_F(JobRunnerTest, ADiskThatFillsWhileArtifactsAreWrittenLeavesNoneOfThem) {
     const Job job = make_job("large", 1);
     Process worker = start_worker("600000", "33554432");
 
-    ASSERT_TRUE(reaches(job, JobState::Dead)) << worker.stderr_text();
-    EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
+    ASSERT_TRUE(fails_without_counting(job)) << worker.stderr_text();
+    EXPECT_EQ(jobs_.attempts(job.id).front().failure.code, ErrorCode::OutOfSpace);
     EXPECT_TRUE(jobs_.artifacts(job.id).empty());
     EXPECT_EQ(num_blobs_of_jobs(), 0u);
 }

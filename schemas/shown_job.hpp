@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "schemas/job.hpp"
+
+namespace divemesh {
+
+// A job as the API shows it, with what is known only on request.
+struct ShownJob : Job {
+    // Why it waits although it may be its turn: a word of WaitReason, or of a newer version; "":
+    // for nothing else.
+    std::string waits_for;
+    std::int64_t deleted_at_ms = 0;  // of its result; 0: it is not deleted
+    std::int64_t expires_at_ms = 0;  // when the result is removed for good
+};
+
+void to_json(nlohmann::json& json, const ShownJob& job);
+void from_json(const nlohmann::json& json, ShownJob& job);
+
+}  // namespace divemesh
