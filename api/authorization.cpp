@@ -38,16 +38,17 @@ void refuse_token_in_address(const Request& request) {
                 "a token must not be part of the address: send it as Authorization: Bearer");
 }
 
-Awaitable<Token> redeem(Request request, Services services) {
-    auto work = [&catalog = services.catalog, request = std::move(request)] {
-        return storage::TokenStore(catalog).redeem_one_shot(request.query.at(kOneShot),
-                                                            request.path);
+Error used_up() {
+    return {ErrorCode::Unauthorized,
+            "this one-shot token was used, has expired or is for another path: create a new one"};
+}
+
+Awaitable<Token> find_one_shot(Request request, Services services) {
+    auto find = [request = std::move(request)](storage::Catalog& catalog) {
+        return storage::TokenStore(catalog).find_one_shot(request.query.at(kOneShot), request.path);
     };
-    auto token = co_await in_pool(services.pool, std::move(work));
-    if (!token)
-        throw Error(
-            ErrorCode::Unauthorized,
-            "this one-shot token was used, has expired or is for another path: create a new one");
+    auto token = co_await read_nonblocking(services, std::move(find));
+    if (!token) throw used_up();
     co_return std::move(*token);
 }
 
@@ -75,7 +76,18 @@ Awaitable<Token> authenticate(Request request, Services services, bool takes_one
         throw Error(
             ErrorCode::InvalidArgument,
             "a one-shot token is only for GET of files and event streams: send another token");
-    co_return co_await redeem(std::move(request), services);
+    co_return co_await find_one_shot(std::move(request), services);
+}
+
+Awaitable<void> use_up_one_shot(Request request, Services services) {
+    if (services.no_auth || !request.query.contains(kOneShot)) co_return;
+    auto work = [&catalog = services.catalog, request = std::move(request)] {
+        return storage::TokenStore(catalog)
+            .redeem_one_shot(request.query.at(kOneShot), request.path)
+            .has_value();
+    };
+    const bool redeemed = co_await in_pool(services.pool, std::move(work));
+    if (!redeemed) throw used_up();
 }
 
 void require_scope(const Token& token, const std::string& scope) {

@@ -13,6 +13,10 @@ namespace divemesh::api {
 // only GET of a route that takes it may have ?one_shot=.
 Awaitable<Token> authenticate(Request request, Services services, bool takes_one_shot);
 
+// Uses up the one-shot token of a request that has been served, if it came with one; a request that
+// is refused leaves it valid. Throws Error{Unauthorized} if another request has used it meanwhile.
+Awaitable<void> use_up_one_shot(Request request, Services services);
+
 // Throws Error{Forbidden}, which names the scope, if the token lacks it.
 void require_scope(const Token& token, const std::string& scope);
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string_view>
 
 namespace divemesh::api {
 
@@ -17,6 +18,8 @@ struct BodyRead {
     State state = State::More;
 };
 
+constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 20;  // but of uploads and streams
+
 // A request's body as it arrives; the server supplies it. Only the connection's coroutine uses it,
 // but any thread may call stop().
 class BodyStream {
@@ -24,8 +27,11 @@ public:
     virtual ~BodyStream() = default;
     virtual std::optional<std::int64_t> length_bytes() const = 0;  // nullopt: chunked
     virtual boost::asio::awaitable<BodyRead> read(std::span<char> buffer) = 0;
+    // Returns whether such a field came after the body; false before the end of the body.
+    virtual bool has_trailer(std::string_view name) const = 0;
     virtual void must_end_within(std::chrono::seconds time) = 0;  // otherwise every read is Lost
     virtual void stop() = 0;
+    virtual void note_valid_token() = 0;  // the connection is one of a known client
 };
 
 }  // namespace divemesh::api

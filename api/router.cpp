@@ -19,7 +19,6 @@
 namespace divemesh::api {
 namespace {
 
-constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 20;
 constexpr std::chrono::seconds kPlainBodyTime{30};
 constexpr std::string_view kUploadsPath = "/api/v1/uploads";
 
@@ -174,6 +173,9 @@ void add_common_headers(const Request& request, const Services& services, Respon
     response.set("X-Request-Id", request.id);
     if (!request.trace_id.empty()) response.set("traceparent", request.header("traceparent"));
     response.set("X-Content-Type-Options", "nosniff");
+    if (services.limits.hsts.count() > 0)
+        response.set("Strict-Transport-Security",
+                     "max-age=" + std::to_string(services.limits.hsts.count()));
     add_cors(request, services.limits, response);
     add_etag(request, response);
 }
@@ -233,10 +235,15 @@ Awaitable<Response> dispatch(Request request, Services services) {
             response = std::move(*answered);
         } else {
             request.parameters = std::move(match.parameters);
-            if (!route->scope.empty()) request.token = co_await admit(request, services, route);
+            if (!route->scope.empty()) {
+                request.token = co_await admit(request, services, route);
+                request.stream->note_valid_token();
+            }
             require_known_query(request, *route);
             if (is_whole(route->kind)) request.body = co_await read_body(request.stream);
             response = co_await answer(request, services, *route);
+            if (http::to_status_class(response.status) < http::status_class::client_error)
+                co_await use_up_one_shot(request, services);
         }
     } catch (...) {
         failure = std::current_exception();

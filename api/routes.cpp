@@ -6,6 +6,7 @@
 #include "api/handlers/dives.hpp"
 #include "api/handlers/events.hpp"
 #include "api/handlers/health.hpp"
+#include "api/handlers/info.hpp"
 #include "api/handlers/jobs.hpp"
 #include "api/handlers/metric_series.hpp"
 #include "api/handlers/metrics.hpp"
@@ -89,6 +90,8 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::post,    "/api/v1/sensors/{sensor_id}/commands", "sensor:command", create_command},
     {Plain,      verb::get,     "/api/v1/sensors/{sensor_id}/commands/{command_id}", "dives:read", get_command},
 
+    {Plain,      verb::get,     "/api/v1/info",                   "dives:read",  get_info},
+    {Plain,      verb::get,     "/api/v1/options",                "dives:read",  get_options},
     {WebSocket,  verb::get,     "/api/v1/events",                 "dives:read",  watch_events},
 
     {Plain,      verb::get,     "/api/v1/tokens",                 "admin",       list_tokens},

@@ -40,6 +40,7 @@ struct ServiceLimits {
     std::int64_t max_project_dives = 0;  // 0: no limit
     // How long deleted dives can be restored before they are removed.
     std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);
+    std::chrono::seconds hsts{0};  // how long browsers use nothing but TLS; 0: not stated
     std::vector<std::string> allowed_origins;  // of other pages that may use this server
     AllowedNetworks webhook_networks;          // private networks that webhooks may reach
 };

@@ -115,6 +115,7 @@ void add_compare(CLI::App& app, Context& context) {
     auto& options = request->options;
     auto there = std::make_shared<ServerSide>();
     add_server_options(*command, there->server);
+    add_give_up_after(*command, there->server);
     // clang-format off
     command->add_option("a", request->a, "folder of the earlier reconstruction; with --server, id of its dive or job")->required();
     command->add_option("b", request->b, "folder of the later reconstruction, or its id")->required();

@@ -20,6 +20,7 @@ struct DivesOptions {
     std::string dive_id;
     std::string site;
     std::string state;
+    int newest = 0;  // 0: all, the oldest first
 };
 
 int list_dives(client::RestClient& rest, const DivesOptions& options, const Context& context) {
@@ -27,7 +28,7 @@ int list_dives(client::RestClient& rest, const DivesOptions& options, const Cont
     if (!options.site.empty()) query.emplace_back("site", options.site);
     if (!options.state.empty())
         query.emplace_back("state", to_string(dive_state_from_string(options.state)));
-    const auto items = rest.list("/api/v1/dives", query);
+    const auto items = listed(rest, "/api/v1/dives", query, options.newest);
     if (context.json) {
         std::cout << nlohmann::json(items).dump(2) << '\n';
         return kExitDone;
@@ -83,6 +84,7 @@ void add_dives(CLI::App& app, Context& context) {
     command->add_option("--site", options->site, "list only dives of this site");
     command->add_option(
         "--state", options->state, "list only dives in this state: checking, ready or refused");
+    add_newest(*command, options->newest);
     command->callback([options, &context] {
         context.command = [options, &context] {
             client::RestClient rest(account_of(options->server));

@@ -28,6 +28,7 @@ void add_download(CLI::App& app, Context& context) {
     command->add_option("--out", options->out, "output folder, created if missing")
         ->capture_default_str();
     add_server_options(*command, options->server);
+    add_give_up_after(*command, options->server);
     command->footer("Files that are complete are skipped; interrupted downloads resume.");
     command->callback([options, &context] {
         context.command = [options] {

@@ -21,6 +21,7 @@ struct JobsOptions {
     std::string dive_id;
     std::string state;
     std::string job_id;
+    int newest = 0;  // 0: all, the oldest first
     bool log = false;
     int attempt = 0;  // 0: the newest
     bool wait = false;
@@ -42,7 +43,7 @@ int list_jobs(client::RestClient& rest, const JobsOptions& options, const Contex
     if (!options.state.empty())
         query.emplace_back("state", to_string(job_state_from_string(options.state)));
     if (options.deleted) query.emplace_back("deleted", "true");
-    const auto items = rest.list("/api/v1/jobs", query);
+    const auto items = listed(rest, "/api/v1/jobs", query, options.newest);
     if (context.json) {
         std::cout << nlohmann::json(items).dump(2) << '\n';
         return kExitDone;
@@ -135,9 +136,11 @@ void add_jobs(CLI::App& app, Context& context) {
     command->add_option("--state",
                         options->state,
                         "list only jobs in this state: held, queued, running, succeeded, failed, dead or cancelled");
+    add_newest(*command, options->newest);
     auto* log = command->add_flag("--log", options->log, "print the log of the latest attempt");
     command->add_option("--attempt", options->attempt, "with --log: number of the attempt")->needs(log)->check(CLI::Range(1, 1'000'000));
     command->add_flag("--wait", options->wait, "wait until the job has finished");
+    add_give_up_after(*command, options->server);
     auto* pause = command->add_flag("--pause", options->pause, "hold a queued job");
     command->add_flag("--resume", options->resume, "release a held job")->excludes(pause);
     command->add_flag("--deleted", options->deleted, "list only jobs whose result was deleted");

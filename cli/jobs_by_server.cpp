@@ -16,8 +16,6 @@ namespace {
 namespace fs = std::filesystem;
 namespace client = api::client;
 
-constexpr std::chrono::minutes kGiveUpAfter{10};
-
 // Returns the id of the same bytes of that kind if the dive has them already; otherwise "".
 std::string find_truth(client::RestClient& rest,
                        const std::string& dive_id,
@@ -43,7 +41,7 @@ std::string send_truth(client::RestClient& rest,
     observer.on_progress = show_bytes(bar, "upload " + kind, source.size_bytes());
     observer.on_wait = say_waiting(bar);
     client::TusSettings settings;
-    settings.give_up_after = kGiveUpAfter;
+    settings.give_up_after = rest.account().give_up_after;
     const client::UploadState state(client::default_state_folder(),
                                     rest.account().server.url(),
                                     sha256_hex(sha256 + kind + dive_id));
@@ -79,7 +77,7 @@ Job make_job(client::RestClient& rest, const ServerJob& wanted) {
     if (is_job(wanted.subject)) options["job"] = wanted.subject;
     for (const auto& [option, truth] : wanted.truth)
         options[option] = send_truth(rest, dive_of(rest, truth.subject), truth.kind, truth.file);
-    client::Backoff backoff(kGiveUpAfter, {});
+    client::Backoff backoff(rest.account().give_up_after, {});
     return rest
         .post_once(client::dive_path(dive_id) + "/jobs",
                    {{"kind", wanted.kind}, {"options", options}},

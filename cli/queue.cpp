@@ -4,8 +4,11 @@
 #include <optional>
 #include <thread>
 
+#include "api/client/backoff.hpp"
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
+#include "cli/follow.hpp"
+#include "cli/progress_bar.hpp"
 #include "cli/server_options.hpp"
 #include "cli/text.hpp"
 #include "schemas/json.hpp"
@@ -63,9 +66,14 @@ void redrive(client::RestClient& rest, const QueueOptions& options) {
 }
 
 Queue wait_until_drained(client::RestClient& rest, const QueueOptions& options) {
+    const auto ask = [&] { return rest.get("/api/v1/queue", query_of(options)).get<Queue>(); };
+    if (!options.wait) return ask();
+    ProgressBar bar;
+    client::Backoff backoff(rest.account().give_up_after, say_waiting(bar));
     for (;;) {
-        Queue queue = rest.get("/api/v1/queue", query_of(options)).get<Queue>();
-        if (!options.wait || queue.num_jobs.at("running") == 0) return queue;
+        Queue queue = backoff.until_done(ask);
+        backoff.moved();
+        if (queue.num_jobs.at("running") == 0) return queue;
         std::this_thread::sleep_for(std::chrono::seconds(1));
     }
 }
@@ -107,6 +115,7 @@ void add_queue(CLI::App& app, Context& context) {
     auto* pause = command->add_flag("--pause", options->pause, "start no more jobs; running jobs continue");
     command->add_flag("--resume", options->resume, "start jobs again")->excludes(pause);
     command->add_flag("--wait", options->wait, "wait until no job is running (drained)");
+    add_give_up_after(*command, options->server);
     command->add_option("--max-running", options->max_running, "max jobs at a time; 0: no limit")->check(CLI::Range(0, 1'000'000));
     command->add_option("--keep-results", options->keep_results, "results of each dive and kind to keep, the newest; 0: all")->check(CLI::Range(0, 1'000'000));
     command->add_option("--redrive", options->redrive, "put up to this many dead jobs back into the queue")->check(CLI::Range(1, 1000));

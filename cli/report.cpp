@@ -133,6 +133,7 @@ void add_report(CLI::App& app, Context& context) {
                      "folder of a reconstruction; with --server, id of a dive or job")
         ->required();
     add_server_options(*command, options->server);
+    add_give_up_after(*command, options->server);
     command->add_flag(
         "--wait,!--no-wait", options->wait, "with --server: wait until it is done (default)");
     command->add_option("--dive", options->dive, "the dive, for its rig and its own ground truth");

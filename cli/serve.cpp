@@ -28,6 +28,7 @@ void add_serve(CLI::App& app, Context& context) {
         server::ServerConfig config;
         double upload_lifetime_h = 168.0;
         int keep_deleted_days = 30;
+        int hsts_days = 0;
         bool check_only = false;
     };
     auto* command = app.add_subcommand("serve", "run the server: uploads, dives, jobs, events");
@@ -50,9 +51,13 @@ void add_serve(CLI::App& app, Context& context) {
     command->add_option("--import-job", options->config.import_preset, "preset to reconstruct the imported dives with; default: only store them")->check(CLI::IsMember(std::vector<std::string>(std::begin(kPresets), std::end(kPresets))));
     command->add_option("--tls-cert", options->config.tls_certificate, "certificate chain in PEM; read again on SIGHUP");
     command->add_option("--tls-key", options->config.tls_key, "private key in PEM");
+    command->add_option("--hsts-days", options->hsts_days, "with TLS: days for which browsers use only https for this host (Strict-Transport-Security); 0: not stated")->capture_default_str()->check(CLI::Range(0, 3650));
     command->add_flag("--check-config", options->check_only, "check the options and exit");
     command->add_option("--allow-origin", options->config.allowed_origins, "origin whose pages may use the API: https://lab.example (may be repeated)");
     command->add_option("--webhook-network", options->config.webhook_networks, "private network that webhooks may reach: 10.1.0.0/16 (may be repeated)");
+    command->add_option("--max-connections", options->config.max_connections, "max open connections; a quarter of them are kept for clients with a valid token")->capture_default_str()->check(CLI::Range(16, 1'000'000));
+    command->add_option("--max-address-connections", options->config.max_address_connections, "max open connections of one address (IPv6: of one /64 network), loopback excepted; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
+    command->add_option("--proxy-network", options->config.many_client_networks, "network without that limit, because many clients come from one address there: 10.1.0.5, 10.1.0.0/16 (may be repeated)");
     command->add_option("--max-rate", options->config.max_requests_per_s, "max requests per second of one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
     command->add_option("--keep-deleted-days", options->keep_deleted_days, "days in which a deleted dive can be restored")->capture_default_str()->check(CLI::Range(0, 3650));
     command->add_flag("--no-auth", options->config.no_auth, "allow everything without a token; only on loopback");
@@ -62,6 +67,7 @@ void add_serve(CLI::App& app, Context& context) {
             auto& config = options->config;
             config.data = options->data.data;
             config.keep_deleted = std::chrono::hours(24) * options->keep_deleted_days;
+            config.hsts = std::chrono::hours(24) * options->hsts_days;
             if (options->check_only) {
                 server::check_config(config);
                 return kExitDone;

@@ -30,7 +30,6 @@ struct UploadOptions {
     bool wait = false;
     fs::path download;
     double limit_rate_bytes_per_s = 0.0;
-    double give_up_after_s = 0.0;
     double stall_timeout_s = 30.0;
     int parallel = 1;
 };
@@ -106,7 +105,7 @@ std::string send(const client::Account& account,
     observer.on_wait = say_waiting(bar);
     client::TusSettings settings;
     settings.max_bytes_per_s = options.limit_rate_bytes_per_s;
-    settings.give_up_after = milliseconds_of(options.give_up_after_s);
+    settings.give_up_after = account.give_up_after;
     settings.stall = milliseconds_of(options.stall_timeout_s);
     settings.num_parts = options.parallel;
     const auto upload_path = client::upload_by_tus(
@@ -200,7 +199,7 @@ struct Sent {
 
 Sent send_dive(client::RestClient& rest, const UploadOptions& options) {
     ProgressBar bar;
-    client::Backoff backoff(milliseconds_of(options.give_up_after_s), say_waiting(bar));
+    client::Backoff backoff(rest.account().give_up_after, say_waiting(bar));
     HashedSource source = open_source(options.dive, bar);
     Sent sent;
     if (auto known = find_dive(rest, source.hashes, backoff)) {
@@ -262,11 +261,8 @@ void add_upload(CLI::App& app, Context& context) {
                      options->limit_rate_bytes_per_s,
                      "max bytes per second to send (500k, 2M; 0: no limit)")
         ->transform(CLI::AsSizeValue(true));
-    command
-        ->add_option("--give-up-after",
-                     options->give_up_after_s,
-                     "fail after this many seconds without progress; 0: never")
-        ->capture_default_str();
+    options->server.give_up_after_s = 0.0;
+    add_give_up_after(*command, options->server);
     command
         ->add_option("--stall-timeout",
                      options->stall_timeout_s,

@@ -60,6 +60,10 @@ lint_contract() {
     npm ci --prefix tests/api/lint --no-audit --no-fund --loglevel=error
     tests/api/lint/node_modules/.bin/spectral lint --fail-severity=warn \
         --ruleset tests/api/lint/spectral.yaml api/openapi.yaml
+    local said
+    said=$(REDOCLY_TELEMETRY=off REDOCLY_SUPPRESS_UPDATE_NOTICE=true tests/api/lint/node_modules/.bin/redocly lint \
+        --config tests/api/lint/redocly.yaml --max-problems 1000 api/openapi.yaml 2>&1) &&
+        [[ $said != *[Ww]arning* ]] || { echo "$said" >&2 && return 1; }
 }
 # The linter reads no precompiled headers, and without them no file may miss an include.
 build_plainly() { cmake --preset release -B build/plain -DDIVEMESH_PRECOMPILE=OFF --log-level=WARNING >/dev/null && cmake --build build/plain; }
@@ -97,7 +101,7 @@ if $full; then
     step "build, release, without precompiled headers" build_plainly
     step "linter" lint
     step "10,000 jobs, 8 workers, 100 kills" build/release/tests/bench/divemesh_queue_storm
-    step "the contract by spectral" lint_contract
+    step "the contract by spectral and redocly" lint_contract
     step "every dive of the shared data" tests/bench/run.sh
     step "uploads, with a dive of 10 GB over a link that breaks" tests/bench/run.sh --only upload --large --repeat 3
     step "skipped tests, of all runs" tests/check_skips.sh "$results"/*.xml

@@ -16,6 +16,7 @@ std::string media_type_of(const std::string& name) {
         {".tum", "text/plain; charset=utf-8"},
         {".csv", "text/csv; charset=utf-8"},
         {".txt", "text/plain; charset=utf-8"},
+        {".xml", "application/xml"},
     };
     for (const auto& [extension, type] : kTypes)
         if (name.ends_with(extension)) return std::string(type);

@@ -6,6 +6,7 @@
 #include <openssl/evp.h>
 #include <stdexcept>
 
+#include "schemas/desktop_files.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh {
@@ -102,6 +103,7 @@ std::optional<std::string> path_in_dive(const DiveRoot& root, std::string_view p
 }
 
 std::string content_sha256(std::vector<HashedFile> files) {
+    std::erase_if(files, [](const HashedFile& file) { return is_left_by_desktop(file.path); });
     std::sort(files.begin(), files.end(), [](const HashedFile& a, const HashedFile& b) {
         return a.path < b.path;  // std::string compares as unsigned bytes
     });

@@ -53,8 +53,8 @@ struct HashedFile {
 
 // Returns the identity of a dive, the same for its folder and any archive of it: SHA-256 of one
 // line "<sha256>  <path>\n" for every regular file under the root, including hidden ones but no
-// links, sorted by the bytes of the path. Throws Error{BadData} for a path that occurs twice or
-// contains a line end, which could make two dives look alike.
+// links and no desktop_files.hpp, sorted by the bytes of the path. Throws Error{BadData} for a path
+// that occurs twice or contains a line end, which could make two dives look alike.
 std::string content_sha256(std::vector<HashedFile> files);
 
 }  // namespace divemesh

@@ -37,9 +37,13 @@ void check_config(const ServerConfig& config) {
         throw Error(ErrorCode::InvalidArgument,
                     "--no-auth is only for loopback addresses, not for " + config.listen +
                         ": leave it out or change --listen");
-    // Both are made only for what their constructors refuse.
+    // These are made only for what their constructors refuse.
     static_cast<void>(TlsCertificate(config.tls_certificate, config.tls_key));
     static_cast<void>(api::AllowedNetworks(config.webhook_networks));
+    static_cast<void>(api::AllowedNetworks(config.many_client_networks));
+    if (config.hsts.count() > 0 && config.tls_certificate.empty())
+        throw Error(ErrorCode::InvalidArgument,
+                    "--hsts-days is only for TLS: give --tls-cert and --tls-key, or leave it out");
     for (const std::string& origin : config.allowed_origins) check_origin(origin);
     check_folder(config.data);
 }

@@ -8,6 +8,7 @@
 #include "api/in_pool.hpp"
 #include "api/metrics.hpp"
 #include "api/sensors/sensor_hub.hpp"
+#include "api/token_watch.hpp"
 #include "schemas/log.hpp"
 #include "server/sensor_feed.hpp"
 #include "server/web_socket.hpp"
@@ -129,7 +130,7 @@ asio::awaitable<void> wait_for_change(std::shared_ptr<EventSocket> events,
 asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket> events,
                                                     api::EventFeed feed,
                                                     SessionContext context) {
-    Clock::time_point trusted_until = Clock::now() + kTokenTrusted;
+    api::TokenWatch token(feed.token_id);
     SensorFeed sensors(context.services.sensor_hub, feed.sensors);
     while (!events->closing) {
         const std::int64_t newest = context.events.newest_sequence();
@@ -138,11 +139,8 @@ asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket>
             co_await wait_for_change(events, sensors.next_at());
             continue;
         }
-        if (Clock::now() >= trusted_until) {
-            const bool entitled = co_await is_entitled(feed.token_id, context.services);
-            if (!entitled) co_return websocket::close_code::policy_error;
-            trusted_until = Clock::now() + kTokenTrusted;
-        }
+        const bool is_valid = co_await token.is_valid_now(context.services);
+        if (!is_valid) co_return websocket::close_code::policy_error;
         const bool sent_sensors =
             co_await send_sensor_frames(events, &sensors, &context.services.metrics);
         if (!sent_sensors) break;

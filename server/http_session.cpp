@@ -132,6 +132,7 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
         co_return false;
     }
     const auto began = Clock::now();
+    connection->set_serving(true);
     connection->on_stop = [body] { body->stop(); };
     const api::Request request = to_request(body);
     auto answered = refuse_head(*body, request);
@@ -157,6 +158,7 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
         context.timeouts.write, keep_alive, request.method == http::verb::head};
     const bool written =
         co_await write_response(connection, std::move(response), context.services, options);
+    connection->set_serving(false);
     co_return written&& keep_alive;
 }
 
@@ -166,6 +168,7 @@ asio::awaitable<bool> shake_hands(std::shared_ptr<Connection> connection,
     connection->stream.expires_after(timeout);
     const auto [error] = co_await connection->stream.tls()->async_handshake(
         asio::ssl::stream_base::server, asio::as_tuple(asio::use_awaitable));
+    connection->note_received();
     co_return !error;
 }
 

@@ -1,5 +1,6 @@
 #include "server/request_body.hpp"
 
+#include <algorithm>
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -43,6 +44,9 @@ asio::awaitable<beast::error_code> RequestBody::read_header() {
     const auto [error, n] = co_await http::async_read_header(
         connection_->stream, connection_->buffer, parser_, kAwaitErrors);
     parser_.eager(true);
+    connection_->note_received();
+    if (!error && parser_.chunked())
+        for (const auto& field : message()) header_names_.emplace_back(field.name_string());
     co_return error;
 }
 
@@ -58,6 +62,7 @@ asio::awaitable<beast::error_code> RequestBody::skip_empty_line() {
         const auto room = buffer.prepare(beast::read_size(buffer, api::client::kReadBytes));
         const auto [error, n] = co_await connection_->stream.async_read_some(room, kAwaitErrors);
         buffer.commit(n);
+        if (n > 0) connection_->note_received();
         if (error) co_return error;
     }
 }
@@ -94,6 +99,7 @@ asio::awaitable<beast::error_code> RequestBody::read_some() {
     const auto [error, n] = co_await http::async_read_some(
         connection_->stream, connection_->buffer, parser_, kAwaitErrors);
     reading_ = false;
+    if (n > 0) connection_->note_received();
     co_return error == http::error::need_buffer ? beast::error_code() : error;
 }
 
@@ -135,6 +141,16 @@ asio::awaitable<api::BodyRead> RequestBody::read(std::span<char> buffer) {
 bool RequestBody::has_more_at_hand() {
     return !parser_.is_done() && num_drained_ < kMaxDrainedBytes &&
            connection_->stream.available() > 0;
+}
+
+// Beast adds trailers to the fields of the header.
+bool RequestBody::has_trailer(std::string_view name) const {
+    if (!parser_.is_done() || !parser_.chunked()) return false;
+    const auto in_header =
+        std::count_if(header_names_.begin(), header_names_.end(), [&](const std::string& other) {
+            return beast::iequals(other, name);
+        });
+    return static_cast<std::ptrdiff_t>(message().count(name)) > in_header;
 }
 
 void RequestBody::must_end_within(std::chrono::seconds time) {

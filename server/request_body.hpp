@@ -2,6 +2,8 @@
 
 #include <boost/beast/http/buffer_body.hpp>
 #include <boost/beast/http/parser.hpp>
+#include <string>
+#include <vector>
 
 #include "api/body_stream.hpp"
 #include "server/connection.hpp"
@@ -30,8 +32,10 @@ public:
 
     std::optional<std::int64_t> length_bytes() const override;
     boost::asio::awaitable<api::BodyRead> read(std::span<char> buffer) override;
+    bool has_trailer(std::string_view name) const override;
     void must_end_within(std::chrono::seconds time) override;
     void stop() override;
+    void note_valid_token() override { connection_->note_valid_token(); }
 
 private:
     boost::asio::awaitable<boost::beast::error_code> skip_empty_line();
@@ -43,6 +47,7 @@ private:
     Timeouts timeouts_;
     boost::beast::http::request_parser<boost::beast::http::buffer_body> parser_;
     std::chrono::steady_clock::time_point deadline_ = std::chrono::steady_clock::time_point::max();
+    std::vector<std::string> header_names_;  // of a chunked request, which may have trailers
     std::int64_t received_bytes_ = 0;
     bool stopped_ = false;
     std::size_t num_drained_ = 0;  // since it was stopped

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "api/in_pool.hpp"
+#include "api/token_watch.hpp"
 #include "schemas/log.hpp"
 
 namespace divemesh::server {
@@ -104,7 +105,10 @@ asio::awaitable<bool> write_file(std::shared_ptr<Connection> connection,
         co_await http::async_write_header(connection->stream, serializer, kAwaitErrors);
     if (error || options.head) co_return !error;
     Chunk chunk;
+    api::TokenWatch token(response.token_id);
     while (part.length > 0) {
+        const bool is_valid = co_await token.is_valid_now(services);
+        if (!is_valid) co_return false;
         chunk = co_await read_chunk(part, services, std::move(chunk));
         if (chunk.size == 0) co_return false;
         connection->stream.expires_after(options.timeout);

@@ -6,7 +6,9 @@
 #include <optional>
 #include <thread>
 
+#include "schemas/log.hpp"
 #include "server/log.hpp"
+#include "server/open_files.hpp"
 #include "server/server.hpp"
 #include "server/worker_supervisor.hpp"
 
@@ -53,11 +55,11 @@ private:
     std::jthread thread_;
 };
 
-void say_token(const Server& server) {
+// Logs are kept and copied, so the token itself stays in its file.
+void say_where_token_is(const Server& server) {
     if (server.first_token().empty()) return;
-    std::cerr << "first admin token, shown only once (also in "
-              << (server.config().data / "admin.token").string() << "): " << server.first_token()
-              << std::endl;
+    log_info({{"event", "first_admin_token"},
+              {"file", (server.config().data / "admin.token").string()}});
 }
 
 }  // namespace
@@ -65,7 +67,9 @@ void say_token(const Server& server) {
 void run_server(const ServerConfig& config) {
     std::signal(SIGXFSZ, SIG_IGN);  // a file that cannot grow becomes an error of write()
     start_log();
-    Server server(config);
+    ServerConfig fitting = config;
+    fitting.max_connections = raise_open_files(config.max_connections);
+    Server server(fitting);
     std::optional<WorkerSupervisor> workers;
     if (config.num_workers > 0)
         workers.emplace(worker_command(server.config()), config.num_workers);
@@ -75,7 +79,7 @@ void run_server(const ServerConfig& config) {
             server.stop();
         },
         [&] { server.reload_certificate(); });
-    say_token(server);
+    say_where_token_is(server);
     std::cout << "listening on " << server.url() << std::endl;
     server.run();
 }

@@ -16,6 +16,7 @@
 #include "api/parse_json.hpp"
 #include "api/sensors/report_queue.hpp"
 #include "api/sensors/sensor_hub.hpp"
+#include "api/token_watch.hpp"
 #include "schemas/log.hpp"
 #include "schemas/sensor_message.hpp"
 #include "schemas/wall_clock.hpp"
@@ -261,11 +262,9 @@ private:
     }
 
     asio::awaitable<bool> check_token() {
-        if (Clock::now() < trusted_until_) co_return true;
-        const bool entitled = co_await is_entitled(stream_.token_id, services_);
-        if (!entitled) sensor_->close(websocket::close_code::policy_error);
-        trusted_until_ = Clock::now() + kTokenTrusted;
-        co_return entitled;
+        const bool is_valid = co_await token_.is_valid_now(services_);
+        if (!is_valid) sensor_->close(websocket::close_code::policy_error);
+        co_return is_valid;
     }
 
     asio::awaitable<bool> answer(Batch batch) {
@@ -311,7 +310,7 @@ private:
     std::shared_ptr<SensorSocket> sensor_;
     api::SensorStream stream_;
     api::Services services_;
-    Clock::time_point trusted_until_ = Clock::now() + kTokenTrusted;
+    api::TokenWatch token_{stream_.token_id};
     bool is_heard_ = false;  // it has sent a current report
     bool is_anew_ = true;
 };

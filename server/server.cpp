@@ -27,7 +27,7 @@
 #include "api/uploads/upload_sweeper.hpp"
 #include "schemas/error.hpp"
 #include "schemas/log.hpp"
-#include "server/connection.hpp"
+#include "server/connections.hpp"
 #include "server/event_hub.hpp"
 #include "server/first_token.hpp"
 #include "server/http_session.hpp"
@@ -84,9 +84,16 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     limits.max_project_bytes = config.max_project_bytes;
     limits.max_project_dives = config.max_project_dives;
     limits.keep_deleted = config.keep_deleted;
+    if (!config.tls_certificate.empty()) limits.hsts = config.hsts;  // RFC 6797, 7.2
     limits.allowed_origins = config.allowed_origins;
     limits.webhook_networks = api::AllowedNetworks(config.webhook_networks);
     return limits;
+}
+
+ConnectionLimits connection_limits_of(const ServerConfig& config) {
+    return {static_cast<std::size_t>(config.max_connections),
+            static_cast<std::size_t>(config.max_address_connections),
+            api::AllowedNetworks(config.many_client_networks)};
 }
 
 // Tells the client the reason, as far as the socket's buffers take it without waiting.
@@ -214,15 +221,17 @@ struct Server::Implementation {
     EventHub events;
     api::UploadLocks locks;
     WebhookSender webhooks{context().services};
-    Connections connections;
+    Connections connections{connection_limits_of(config)};
     tcp::acceptor acceptor;
 };
 
 void Server::Implementation::spawn_session(tcp::socket socket) {
     boost::system::error_code ignored;
     socket.set_option(tcp::no_delay(true), ignored);
-    const auto connection = std::make_shared<Connection>(std::move(socket), certificate.current());
-    if (!connections.add(connection, static_cast<std::size_t>(config.max_connections))) {
+    const auto address = client_address(socket);
+    const auto connection =
+        std::make_shared<Connection>(std::move(socket), address, certificate.current());
+    if (!connections.add(connection)) {
         ++metrics.refused_connections;
         if (config.tls_certificate.empty()) reject(connection->stream.socket());
         return;

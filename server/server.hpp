@@ -35,6 +35,7 @@ struct ServerConfig {
     bool no_auth = false;                   // loopback only
     std::filesystem::path tls_certificate;  // PEM chain, with tls_key; both empty: no TLS
     std::filesystem::path tls_key;
+    std::chrono::seconds hsts{0};  // Strict-Transport-Security (RFC 6797), with TLS; 0: none
     std::int64_t max_upload_bytes = std::int64_t{1} << 42;
     std::int64_t min_free_bytes = std::int64_t{256} << 20;  // disk space that is never used
     // Gives up what can be computed again until the disk has so many bytes free, or does nothing if
@@ -46,7 +47,11 @@ struct ServerConfig {
     std::int64_t min_upload_bytes_per_s = 64;  // over Timeouts::rate
     std::int64_t max_project_bytes = 0;        // of its dives and uploads; 0: no limit
     std::int64_t max_project_dives = 0;        // 0: no limit
-    int max_connections = 2000;
+    int max_connections = 2000;                // a quarter of them for clients with a valid token
+    int max_address_connections = 256;         // of one address; 0: no limit
+    // Networks whose addresses stand for many clients each, such as a reverse proxy's: no limit per
+    // address.
+    std::vector<std::string> many_client_networks;
     std::filesystem::path import_folder;  // whose dives are imported at the start; "": no import
     std::string import_project = "default";
     std::string import_preset;                  // of their reconstructions; "": no reconstruction

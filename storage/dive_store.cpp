@@ -128,8 +128,7 @@ Page<Dive> DiveStore::list(const DiveFilter& filter, const PageRequest& page) {
     catalog_.read([&](soci::session& session) {
         rows = select_all<DiveRow>(
             session,
-            "SELECT " + std::string(kDiveColumns) +
-                " FROM dives WHERE (created_at_ms > :age OR (created_at_ms = :age AND id > :id))"
+            "SELECT " + std::string(kDiveColumns) + " FROM dives WHERE " + start.condition +
                 " AND (:project = '' OR project = :project)"
                 " AND (:content = '' OR content_sha256 = :content)"
                 " AND (:archive = '' OR archive_sha256 = :archive)"
@@ -137,7 +136,8 @@ Page<Dive> DiveStore::list(const DiveFilter& filter, const PageRequest& page) {
                 " AND created_at_ms > :after AND created_at_ms < :before"
                 " AND (:tag = '' OR id IN (SELECT dive_id FROM dive_tags WHERE tag = :tag))"
                 " AND (deleted_at_ms > 0) = (:deleted = 1)"
-                " ORDER BY created_at_ms, id LIMIT :limit",
+                " ORDER BY " +
+                start.order + " LIMIT :limit",
             soci::use(start.created_at_ms, "age"),
             soci::use(start.id, "id"),
             soci::use(filter.project, "project"),

@@ -118,13 +118,13 @@ Page<Job> JobStore::list(const JobFilter& filter, const PageRequest& page) {
     catalog_.read([&](soci::session& session) {
         rows = select_all<JobRow>(
             session,
-            "SELECT " + std::string(kJobColumns) +
-                " FROM jobs WHERE (created_at_ms > :age OR (created_at_ms = :age AND id > :id))"
+            "SELECT " + std::string(kJobColumns) + " FROM jobs WHERE " + start.condition +
                 " AND (:project = '' OR project = :project) AND (:dive = '' OR dive_id = :dive)"
                 " AND (:state = '' OR state = :state) AND (:kind = '' OR kind = :kind)"
                 " AND (deleted_at_ms > 0) = (:deleted = 1)"
                 " AND created_at_ms > :after AND created_at_ms < :before"
-                " ORDER BY created_at_ms, id LIMIT :limit",
+                " ORDER BY " +
+                start.order + " LIMIT :limit",
             soci::use(start.created_at_ms, "age"),
             soci::use(start.id, "id"),
             soci::use(filter.project, "project"),

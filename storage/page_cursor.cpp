@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 
 #include "schemas/error.hpp"
 
@@ -23,7 +24,13 @@ PageStart page_start(const PageRequest& page) {
         throw Error(
             ErrorCode::InvalidArgument,
             "limit is " + std::to_string(page.limit) + ": give 1 to " + std::to_string(kMaxLimit));
-    PageStart start{.limit_plus_one = page.limit + 1};
+    PageStart start;
+    start.limit_plus_one = page.limit + 1;
+    if (page.newest_first) {
+        start.created_at_ms = std::numeric_limits<std::int64_t>::max();
+        start.condition = "(created_at_ms < :age OR (created_at_ms = :age AND id < :id))";
+        start.order = "created_at_ms DESC, id DESC";
+    }
     if (page.cursor.empty()) return start;
 
     const auto dot = std::min(page.cursor.find('.'), page.cursor.size());

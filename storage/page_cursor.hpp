@@ -11,6 +11,9 @@ namespace divemesh::storage {
 struct PageStart {
     std::int64_t created_at_ms = -1;
     std::string id;
+    // SQL over created_at_ms and id, with :age and :id for the two above.
+    std::string condition = "(created_at_ms > :age OR (created_at_ms = :age AND id > :id))";
+    std::string order = "created_at_ms, id";
     int limit_plus_one = 0;  // one row more than requested shows whether there is a next page
 };
 

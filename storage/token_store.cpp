@@ -246,6 +246,28 @@ OneShotToken TokenStore::create_one_shot(const Token& owner,
     return made;
 }
 
+std::optional<Token> TokenStore::find_one_shot(const std::string& secret, const std::string& path) {
+    const std::string hash = sha256_hex(secret);
+    std::optional<Token> token;
+    catalog_.read([&](soci::session& session) {
+        const std::int64_t now_ms = Catalog::now_ms(session);
+        const auto owner = select_one<TextRow>(session,
+                                               "SELECT token_id FROM one_shot_tokens"
+                                               " WHERE secret_sha256 = :hash AND path = :path"
+                                               " AND expires_at_ms > :now",
+                                               soci::use(hash, "hash"),
+                                               soci::use(path, "path"),
+                                               soci::use(now_ms, "now"));
+        if (!owner) return;
+        token = select_one<TokenRow>(session,
+                                     "SELECT " TOKEN_COLUMNS
+                                     " FROM tokens WHERE id = :id AND " IS_VALID,
+                                     soci::use(*owner, "id"),
+                                     soci::use(now_ms, "now"));
+    });
+    return token;
+}
+
 std::optional<Token> TokenStore::redeem_one_shot(const std::string& secret,
                                                  const std::string& path) {
     const std::string hash = sha256_hex(secret);

@@ -54,8 +54,9 @@ public:
     OneShotToken create_one_shot(const Token& owner,
                                  const std::string& path,
                                  std::chrono::seconds lifetime = kOneShotLifetime);
-    // Returns the token that it was made for, if it is not expired and `path` matches; the second
-    // call returns nullopt.
+    // Both return the token that it was made for, if it is not expired and `path` matches. The
+    // second one uses it up: another call returns nullopt.
+    std::optional<Token> find_one_shot(const std::string& secret, const std::string& path);
     std::optional<Token> redeem_one_shot(const std::string& secret, const std::string& path);
 
 private:

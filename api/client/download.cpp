@@ -12,7 +12,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::chrono::seconds kStall{30};
-constexpr std::chrono::minutes kGiveUpAfter{10};
 
 // Returns the path for an artifact's name. A server is not trusted with names on the local disk.
 fs::path target_of(const fs::path& folder, const std::string& name) {
@@ -55,7 +54,7 @@ public:
     void fetch(const Artifact& artifact, const fs::path& target, const BytesDone& bytes_done) {
         const fs::path part = target.string() + ".part";
         fs::create_directories(target.parent_path());
-        Backoff backoff(kGiveUpAfter, observer_.on_wait);
+        Backoff backoff(account_.give_up_after, observer_.on_wait);
         int num_wrong_hashes = 0;
         while (true) {
             try {

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <utility>
 
+#include "schemas/desktop_files.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api::client {
@@ -20,7 +21,9 @@ FolderListing list_plain(const fs::path& folder) {
     FolderListing listing;
     for (const auto& entry : fs::recursive_directory_iterator(folder)) {
         const auto type = entry.symlink_status().type();
-        if (type == fs::file_type::directory) continue;
+        if (type == fs::file_type::directory ||
+            is_left_by_desktop(entry.path().filename().string()))
+            continue;
         auto& names = type == fs::file_type::regular ? listing.files : listing.left_out;
         names.push_back(entry.path().lexically_relative(folder).generic_string());
     }
@@ -40,7 +43,8 @@ private:
         entered_.push_back(fs::canonical(folder));
         for (const auto& entry : fs::directory_iterator(folder)) {
             const std::string name = entry.path().filename().string();
-            if (name != kVersionControl) add(entry.path(), prefix + name);
+            if (name != kVersionControl && !is_left_by_desktop(name))
+                add(entry.path(), prefix + name);
         }
         entered_.pop_back();
     }

@@ -9,7 +9,6 @@
 namespace divemesh::api::client {
 namespace {
 
-constexpr std::chrono::minutes kGiveUpAfter{10};
 constexpr std::chrono::seconds kPollPause{1};
 constexpr std::chrono::seconds kEventTimeout{5};  // then the job is polled anyway
 
@@ -47,7 +46,7 @@ Value follow(RestClient& rest,
              const std::string& subject,
              const Backoff::OnWait& on_wait,
              Done&& done) {
-    Backoff backoff(kGiveUpAfter, on_wait);
+    Backoff backoff(rest.account().give_up_after, on_wait);
     Watch watch(rest.account());
     while (true) {
         try {

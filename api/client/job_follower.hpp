@@ -13,7 +13,7 @@ namespace divemesh::api::client {
 using OnJob = std::function<void(const ShownJob& job)>;
 
 // Waits until a job has finished and returns it. Follows the events; if they are not available, it
-// polls every second. Survives a server that is away for up to ten minutes.
+// polls every second. Survives a server that is away for the account's give_up_after.
 Job follow_job(RestClient& rest,
                const std::string& job_id,
                const OnJob& on_job,

@@ -16,6 +16,8 @@ namespace divemesh::api::client {
 struct Account {
     ServerAddress server;
     std::string token;  // "" for a server without authentication
+    // How long what waits for the server goes on without an answer; 0: for ever.
+    std::chrono::milliseconds give_up_after = std::chrono::minutes(10);
 };
 
 using QueryParameters = std::vector<std::pair<std::string, std::string>>;

@@ -1,5 +1,10 @@
 #include "api/handlers/jobs.hpp"
 
+#include <algorithm>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/this_coro.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <chrono>
 #include <limits>
 
 #include "api/audit.hpp"
@@ -21,6 +26,9 @@
 namespace divemesh::api {
 namespace {
 
+constexpr std::chrono::seconds kMaxWait{60};
+constexpr std::chrono::milliseconds kLookEvery{200};
+
 storage::JobFilter filter_of(const Request& request) {
     storage::JobFilter filter{visible_project(request.token), query_value(request, "dive_id")};
     const std::string state = query_value(request, "state");
@@ -39,12 +47,30 @@ void check_options(storage::NewJob& job) {
         case JobKind::Reconstruct: make_options(job.preset, job.options); return;
         case JobKind::Compare: check_compare_options(job.options); break;
         case JobKind::AccuracyReport: check_report_options(job.options); break;
-        case JobKind::Intake:
-            throw InvalidInput({{"an intake job is created only with its dive", "/kind", ""}});
+        case JobKind::Intake: break;  // refused by kind_of()
     }
-    preset_options(job.preset);
     if (job.options.value("fresh", false)) job.fresh_version = DIVEMESH_VERSION;
     job.options.erase("fresh");
+}
+
+// Calls `read` and adds to its error where in the body the fault is.
+template <typename Read>
+auto at_pointer(const std::string& pointer, const Read& read) {
+    try {
+        return read();
+    } catch (const InvalidInput& error) {
+        throw error.below(pointer);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::InvalidArgument) throw;
+        throw InvalidInput({{error.what(), pointer, ""}});
+    }
+}
+
+JobKind kind_of(const std::string& name) {
+    const JobKind kind = job_kind_from_string(name);
+    if (kind == JobKind::Intake)
+        throw Error(ErrorCode::InvalidArgument, "an intake job is created only with its dive");
+    return kind;
 }
 
 storage::NewJob job_request(const Request& request, const Dive& dive) {
@@ -52,14 +78,12 @@ storage::NewJob job_request(const Request& request, const Dive& dive) {
     storage::NewJob job;
     job.project = dive.project;
     job.dive_id = dive.id;
-    job.kind = job_kind_from_string(value_or<std::string>(body, "kind", "reconstruct"));
+    const auto kind = value_or<std::string>(body, "kind", "reconstruct");
+    job.kind = at_pointer("/kind", [&] { return kind_of(kind); });
     job.preset = value_or<std::string>(body, "preset", "standard");
+    at_pointer("/preset", [&] { return preset_options(job.preset); });
     job.options = body.value("options", nlohmann::json::object());
-    try {
-        check_options(job);
-    } catch (const InvalidInput& error) {
-        throw error.below("/options");
-    }
+    at_pointer("/options", [&] { check_options(job); });
     job.parents = value_or<std::vector<std::string>>(body, "parents", {});
     job.priority = value_or<int>(body, "priority", 0);
     job.request_key = request_key(request);
@@ -79,6 +103,37 @@ int attempt_number(const Request& request) {
     if (!number || *number > std::numeric_limits<int>::max())
         throw Error(ErrorCode::NotFound, "no such attempt");
     return static_cast<int>(*number);
+}
+
+std::chrono::seconds wait_of(const Request& request) {
+    if (!request.query.contains("wait")) return {};
+    const auto seconds = parse_count(query_value(request, "wait"));
+    if (!seconds || *seconds > kMaxWait.count())
+        throw InvalidInput(
+            {{"wait must be 0 to " + std::to_string(kMaxWait.count()) + " seconds", "", "wait"}});
+    return std::chrono::seconds(*seconds);
+}
+
+Awaitable<JobState> state_of_job(Request request, Services services) {
+    auto look = [request](storage::Catalog& catalog) {
+        return visible_job(request, catalog).state;
+    };
+    return read_nonblocking(services, std::move(look));
+}
+
+// Returns when the job's state has changed or cannot change any more, after `wait`, or when the
+// server stops. No thread waits meanwhile.
+Awaitable<void> wait_for_change(Request request, Services services, std::chrono::seconds wait) {
+    const auto end = std::chrono::steady_clock::now() + wait;
+    boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
+    const JobState before = co_await state_of_job(request, services);
+    JobState state = before;
+    while (state == before && !is_finished(state) && !services.stopping &&
+           std::chrono::steady_clock::now() < end) {
+        timer.expires_at(std::min(end, std::chrono::steady_clock::now() + kLookEvery));
+        co_await timer.async_wait(boost::asio::use_awaitable);
+        state = co_await state_of_job(request, services);
+    }
 }
 
 Response text_response(std::string text) {
@@ -120,10 +175,12 @@ Awaitable<Response> create_job(Request request, Services services) {
 }
 
 Awaitable<Response> get_job(Request request, Services services) {
+    const std::chrono::seconds wait = wait_of(request);
+    if (wait.count() > 0) co_await wait_for_change(request, services, wait);
     auto read = [services](const Request& asked, storage::Catalog& catalog) {
         return shown_job(asked, services, catalog);
     };
-    return get_resource(std::move(request), services, read);
+    co_return co_await get_resource(std::move(request), services, read);
 }
 
 Awaitable<Response> change_job(Request request, Services services) {

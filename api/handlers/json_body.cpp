@@ -54,6 +54,10 @@ nlohmann::json json_body(const Request& request, const std::set<std::string>& kn
 storage::PageRequest page_request(const Request& request) {
     storage::PageRequest page;
     page.cursor = query_value(request, "cursor");
+    const std::string order = query_value(request, "order");
+    if (request.query.contains("order") && order != "oldest" && order != "newest")
+        throw InvalidInput({{"order must be oldest or newest: which comes first", "", "order"}});
+    page.newest_first = order == "newest";
     if (!request.query.contains("limit")) return page;
     const auto limit = parse_count(query_value(request, "limit"));
     if (!limit || *limit < 1 || *limit > kMaxLimit)

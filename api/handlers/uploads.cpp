@@ -148,20 +148,42 @@ Awaitable<UploadLocks::Lock> take_lock(Request request, Services services, StopF
     co_return co_await services.locks.take(request.parameter("upload_id"), std::move(stop));
 }
 
+// Returns the response to a request whose checksum came as a trailer, which is not compared: a
+// success would say that it was. The bytes are kept, as of every body without a checksum.
+Response with_unread_trailer(const Request& request, const Response& response) {
+    Response refused = problem_response(request,
+                                        http::status::unsupported_media_type,
+                                        "Upload-Checksum came as a trailer and was not compared; "
+                                        "the bytes are kept: send it as a header");
+    for (const auto& [name, value] : response.headers)
+        if (name == "Upload-Offset" || name == "Location") refused.set(name, value);
+    refused.uploaded_bytes = response.uploaded_bytes;
+    refused.audited = response.audited;
+    return refused;
+}
+
+// Returns the response to a request whose body is stored.
+Awaitable<Response> stored(
+    Response response, Request request, Services services, Upload upload, StopFlag stopped) {
+    // The newer request wants the lock, and waits for it. So the dive is better made now than
+    // never.
+    if (upload.complete())
+        co_return co_await completed(std::move(response), request, services, upload, new_flag());
+    co_return co_await arrived(std::move(response), request, services, upload, stopped);
+}
+
 Awaitable<Response> receive(
     Response response, Request request, Services services, Upload upload, StopFlag stopped) {
-    const auto received =
-        co_await receive_body(request.stream, services, upload, checksum_of(request));
+    const auto received = co_await receive_body(request, services, upload, checksum_of(request));
     if (!received)
         co_return problem_response(
             request,
             kChecksumMismatch,
             "the bytes do not match Upload-Checksum and are not kept: send them again");
-    // The newer request wants the lock, and waits for it. So the dive is better made now than
-    // never.
-    if (received->complete())
-        co_return co_await completed(std::move(response), request, services, *received, new_flag());
-    co_return co_await arrived(std::move(response), request, services, *received, stopped);
+    response = co_await stored(std::move(response), request, services, *received, stopped);
+    if (request.stream->has_trailer("upload-checksum"))
+        co_return with_unread_trailer(request, response);
+    co_return response;
 }
 
 // Checks that the dive of the truth exists and accepts it. Throws Error{NotFound}, Error{Conflict}.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "api/in_pool.hpp"
+#include "api/token_watch.hpp"
 #include "api/uploads/chunk_writer.hpp"
 #include "api/uploads/upload_writer.hpp"
 #include "schemas/error.hpp"
@@ -42,16 +43,26 @@ private:
     Clock::time_point began_ = Clock::now();
 };
 
+// Who sends a body: its bytes, and the token that has to stay valid until the last one.
+struct Sender {
+    std::shared_ptr<BodyStream> stream;
+    std::shared_ptr<TokenWatch> token;
+};
+
 // Writes one chunk. A failed write ends the read in parallel, which could take a minute.
-Awaitable<void> write_received_chunk(std::shared_ptr<BodyStream> stream,
+Awaitable<void> write_received_chunk(Sender sender,
                                      Services services,
                                      std::shared_ptr<ByteSink> sink,
                                      std::span<const char> bytes) {
-    auto write = [stream, sink, bytes] {
+    auto write = [sender, &catalog = services.catalog, sink, bytes] {
         try {
+            if (!sender.token->is_valid(catalog))
+                throw Error(ErrorCode::Unauthorized,
+                            "this token was revoked or has expired during the upload: continue "
+                            "with a valid one, from the offset that HEAD gives");
             sink->write(bytes);
         } catch (...) {
-            stream->stop();
+            sender.stream->stop();
             throw;
         }
     };
@@ -70,14 +81,12 @@ std::optional<Ending> ending_of(BodyRead::State state) {
 }
 
 // Writes one chunk while the next one is read.
-Awaitable<Ending> stream_into(std::shared_ptr<ByteSink> sink,
-                              std::shared_ptr<BodyStream> stream,
-                              Services services) {
+Awaitable<Ending> stream_into(std::shared_ptr<ByteSink> sink, Sender sender, Services services) {
     using boost::asio::experimental::awaitable_operators::operator&&;
     std::vector<char> reading(kChunkBytes);
     std::vector<char> writing(kChunkBytes);
     RateGuard rate(services.limits);
-    BodyRead read = co_await stream->read(reading);
+    BodyRead read = co_await sender.stream->read(reading);
     for (;;) {
         const auto room = static_cast<std::size_t>(sink->room_bytes());
         std::optional<Ending> ending = ending_of(read.state);
@@ -86,11 +95,11 @@ Awaitable<Ending> stream_into(std::shared_ptr<ByteSink> sink,
         std::swap(reading, writing);
         const std::span<const char> bytes(writing.data(), std::min(read.num_bytes, room));
         if (ending) {
-            co_await write_received_chunk(stream, services, sink, bytes);
+            co_await write_received_chunk(sender, services, sink, bytes);
             co_return *ending;
         }
-        read =
-            co_await (write_received_chunk(stream, services, sink, bytes) && stream->read(reading));
+        read = co_await (write_received_chunk(sender, services, sink, bytes) &&
+                         sender.stream->read(reading));
     }
 }
 
@@ -118,27 +127,29 @@ void throw_unless_whole(Ending ending) {
     }
 }
 
-Awaitable<Upload> receive_plain(std::shared_ptr<BodyStream> stream,
-                                Services services,
-                                Upload upload) {
+Awaitable<Upload> receive_plain(Sender sender, Services services, Upload upload) {
     auto open = [services, upload] { return std::make_shared<UploadWriter>(services, upload); };
     auto writer = co_await in_pool(services.pool, std::move(open));
     std::exception_ptr failure;
     Ending ending = Ending::Lost;
     try {
-        ending = co_await stream_into(writer, stream, services);
+        ending = co_await stream_into(writer, sender, services);
     } catch (...) {
         failure = std::current_exception();
     }
     auto finish = [writer] { return writer->finish(); };
     const Upload received = co_await in_pool(services.pool, std::move(finish));
     if (failure) std::rethrow_exception(failure);
+    // A newer request has stopped this one, which has stored bytes all the same: it is told how
+    // many.
+    if (ending == Ending::Stopped && received.offset_bytes > upload.offset_bytes)
+        co_return received;
     // If all bytes are here, a link that broke after the last one does not matter.
     if (!received.complete() || ending == Ending::TooLong) throw_unless_whole(ending);
     co_return received;
 }
 
-Awaitable<std::optional<Upload>> receive_checked(std::shared_ptr<BodyStream> stream,
+Awaitable<std::optional<Upload>> receive_checked(Sender sender,
                                                  Services services,
                                                  Upload upload,
                                                  std::shared_ptr<UploadChecksum> checksum) {
@@ -146,7 +157,7 @@ Awaitable<std::optional<Upload>> receive_checked(std::shared_ptr<BodyStream> str
         return std::make_shared<ChunkWriter>(services, upload, std::move(*checksum));
     };
     auto chunk = co_await in_pool(services.pool, std::move(open));
-    throw_unless_whole(co_await stream_into(chunk, stream, services));
+    throw_unless_whole(co_await stream_into(chunk, sender, services));
     auto begin = [services, upload, chunk]() -> std::shared_ptr<UploadWriter> {
         return chunk->is_right() ? std::make_shared<UploadWriter>(services, upload) : nullptr;
     };
@@ -162,13 +173,14 @@ Awaitable<std::optional<Upload>> receive_checked(std::shared_ptr<BodyStream> str
 
 }  // namespace
 
-Awaitable<std::optional<Upload>> receive_body(std::shared_ptr<BodyStream> stream,
+Awaitable<std::optional<Upload>> receive_body(Request request,
                                               Services services,
                                               Upload upload,
                                               std::optional<UploadChecksum> checksum) {
-    if (!checksum) co_return co_await receive_plain(stream, services, std::move(upload));
+    const Sender sender{request.stream, std::make_shared<TokenWatch>(request.token.id)};
+    if (!checksum) co_return co_await receive_plain(sender, services, std::move(upload));
     auto shared = std::make_shared<UploadChecksum>(std::move(*checksum));
-    co_return co_await receive_checked(stream, services, std::move(upload), std::move(shared));
+    co_return co_await receive_checked(sender, services, std::move(upload), std::move(shared));
 }
 
 }  // namespace divemesh::api

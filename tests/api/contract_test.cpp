@@ -134,6 +134,19 @@ TEST(ContractTest, ListsTheWordsThatOurTypesKnow) {
               words_of_enum<WaitReason>());
 }
 
+void expect_no_key_by_mistake(const nlohmann::json& node, const std::string& where) {
+    if (!node.is_structured()) return;
+    for (const auto& [key, value] : node.items()) {
+        const std::string here = where + '/' + key;
+        EXPECT_FALSE(node.is_object() && value.is_null() && key.find(' ') != std::string::npos)
+            << here << ": quote the text with the comma before it";
+        expect_no_key_by_mistake(value, here);
+    }
+}
+
+// In "{ description: one, two }" the words after the comma are a key.
+TEST(ContractTest, NoPartOfADescriptionIsAKey) { expect_no_key_by_mistake(document(), ""); }
+
 TEST(ContractTest, EveryReferenceLeadsSomewhere) {
     const auto contract = document();
     const std::function<void(const nlohmann::json&)> follow = [&](const nlohmann::json& node) {

@@ -34,6 +34,19 @@ TEST(ArchiveIdentityTest, IsTheIdentityThatTheFolderHas) {
     EXPECT_EQ(dive::archive_content_sha256(folder / "dive.tar"), expected);
 }
 
+TEST(ArchiveIdentityTest, IsTheSameWithWhatDesktopsLeave) {
+    const TemporaryFolder folder;
+    write_file(folder / "dive/mav0/cam0/data.csv", "left");
+    const std::string in_folder = "cd '" + folder.path().string() + "' && ";
+    ASSERT_EQ(std::system((in_folder + "tar -cf before.tar dive").c_str()), 0);
+    write_file(folder / "dive/.DS_Store", "seen");
+    write_file(folder / "dive/mav0/cam0/._data.csv", "seen");
+    write_file(folder / "__MACOSX/dive/mav0/cam0/._data.csv", "seen");
+    ASSERT_EQ(std::system((in_folder + "tar -cf after.tar dive __MACOSX").c_str()), 0);
+    EXPECT_EQ(dive::archive_content_sha256(folder / "after.tar"),
+              dive::archive_content_sha256(folder / "before.tar"));
+}
+
 TEST(ArchiveIdentityTest, RefusesWhatIsNoArchive) {
     const TemporaryFolder folder;
     write_file(folder / "dive.zip", "this is text");

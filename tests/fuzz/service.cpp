@@ -34,8 +34,10 @@ public:
         using State = api::BodyRead::State;
         co_return api::BodyRead{n, rest_.empty() ? State::End : State::More};
     }
+    bool has_trailer(std::string_view) const override { return false; }
     void must_end_within(std::chrono::seconds) override {}
     void stop() override {}
+    void note_valid_token() override {}
 
 private:
     std::string_view rest_;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "schemas/desktop_files.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh {
@@ -30,6 +31,15 @@ TEST(ContentHashTest, IsTheDigestOfTheSortedListThatSha256sumPrints) {
                                            {"mav0/a", sha256_hex("abc")}};
     EXPECT_EQ(content_sha256(files),
               "3b476631f136677ffcddc6687d9b181706da0106060e7329a4d263ccd90b5ae2");
+}
+
+TEST(ContentHashTest, KnowsWhatDesktopsLeave) {
+    for (const char* path : {".DS_Store", "a/.DS_Store", "a/._b.png", "Thumbs.db", "a/desktop.ini"})
+        EXPECT_TRUE(is_left_by_desktop(path)) << path;
+    for (const char* path : {"DS_Store", "a/b._c", ".hidden", "thumbs.db/a", "Thumbs.db.csv"})
+        EXPECT_FALSE(is_left_by_desktop(path)) << path;
+    EXPECT_EQ(content_sha256({{"a", sha256_hex("x")}, {".DS_Store", sha256_hex("y")}}),
+              content_sha256({{"a", sha256_hex("x")}}));
 }
 
 TEST(ContentHashTest, RefusesTwoFilesOfOneNameAndLineEndsInNames) {

@@ -238,6 +238,16 @@ TEST(DownloadNamesTest, NoNameIsServedAsAPage) {
     }
 }
 
+TEST(DownloadNamesTest, AReportForCiIsXml) {
+    TestServer server;
+    const auto response =
+        server.request("GET",
+                       "/api/v1/jobs/" + server.make_job("default", "junit.xml", "<testsuites/>") +
+                           "/artifacts/junit.xml",
+                       server.admin());
+    EXPECT_EQ(response.header("content-type"), "application/xml");  // RFC 7303, 9.1
+}
+
 // The name of an upload is for people: it does not determine the content type, and a dive serves
 // no file under it.
 TEST(DownloadNamesTest, ANameThatAClientChoseDecidesNoType) {

@@ -1,5 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <thread>
+#include <vector>
+
 #include "tests/server/test_server.hpp"
 
 namespace divemesh {
@@ -131,14 +135,22 @@ TEST(LimitsTest, AnswersRequestsThatAreSentInOneGo) {
     for (int i = 0; i < 3; ++i) EXPECT_EQ(client.receive()->status, 200);
 }
 
+// Sends the head of an upload's body and a part of it, so that its connection is at work.
+std::unique_ptr<RawClient> begun_upload(const TestServer& server) {
+    const auto path = create_upload(server.port(), server.admin(), 1'000);
+    auto client = std::make_unique<RawClient>(server.port());
+    client->send(request_head("PATCH", path, patch_headers(server.admin(), 0), 1'000));
+    client->send("hello");
+    std::this_thread::sleep_for(100ms);
+    return client;
+}
+
 TEST(LimitsTest, TakesNoMoreConnectionsThanItMay) {
     server::ServerConfig config;
     config.max_connections = 2;
     TestServer server(config);
-    RawClient first(server.port());
-    RawClient second(server.port());
-    EXPECT_EQ(first.request("GET", "/healthz/live").status, 200);
-    EXPECT_EQ(second.request("GET", "/healthz/live").status, 200);
+    const auto first = begun_upload(server);
+    const auto second = begun_upload(server);
     RawClient third(server.port());
     const RawResponse refused = third.receive().value();
     EXPECT_EQ(refused.status, 503);
@@ -146,7 +158,27 @@ TEST(LimitsTest, TakesNoMoreConnectionsThanItMay) {
     EXPECT_EQ(refused.header("content-type"), "application/problem+json");
     EXPECT_EQ(refused.json()["status"], 503);
     EXPECT_TRUE(third.at_end());
-    EXPECT_EQ(first.request("GET", "/healthz/live").status, 200);
+    for (const auto& client : {first.get(), second.get()}) {
+        client->send(std::string(995, 'x'));
+        EXPECT_EQ(client->receive()->status, 204);
+    }
+}
+
+TEST(LimitsTest, SilentConnectionsLockNobodyOut) {
+    server::ServerConfig config;
+    config.max_connections = 20;
+    TestServer server(config);
+    const auto upload = begun_upload(server);
+    std::vector<std::unique_ptr<RawClient>> silent;
+    for (int i = 0; i < 60; ++i) {
+        silent.push_back(std::make_unique<RawClient>(server.port()));
+        if (i % 2 == 0) silent.back()->send("GET /healthz/live HTTP/1.1\r\nX: ");
+    }
+    EXPECT_EQ(server.request("GET", "/api/v1/dives", server.admin()).status, 200);
+    EXPECT_EQ(server.request("GET", "/healthz/live", "").status, 200);
+    upload->send(std::string(995, 'x'));
+    EXPECT_EQ(upload->receive()->status, 204);
+    EXPECT_TRUE(silent.front()->at_end()) << "the first one has been silent for longest";
 }
 
 TEST(LimitsTest, StopsDespiteIdleClientsAndUnfinishedRequests) {

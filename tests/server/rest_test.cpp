@@ -148,9 +148,35 @@ TEST_F(RestTest, TellsAllThatIsWrongAtOnceAndWhere) {
               {{"voxel_m", 7.0}, {"mesher", "knife"}, {"speed", 1}, {"simplify", "no"}}}}),
         (Places{"/options/voxel_m", "/options/mesher", "/options/speed", "/options/simplify"}));
     EXPECT_EQ(job({{"colour", 1}, {"a/b", 2}}), (Places{"/colour", "/a~1b"}));
+    EXPECT_EQ(job({{"options", {{"a/b", 2}}}}), Places{"/options/a~1b"});
+    EXPECT_EQ(job({{"kind", "intake"}}), Places{"/kind"});
+    EXPECT_EQ(job({{"kind", "dance"}}), Places{"/kind"});
+    EXPECT_EQ(job({{"preset", "none"}}), Places{"/preset"});
+    EXPECT_EQ(job({{"options", 5}}), Places{"/options"});
     EXPECT_EQ(job({{"priority", "high"}}), Places{"/priority"});
     EXPECT_EQ(places(get("/api/v1/dives?limit=0")), Places{"?limit"});
     EXPECT_EQ(places(get("/api/v1/dives?deleted=maybe")), Places{"?deleted"});
+}
+
+// RFC 8259, 4: with a name that occurs twice, readers differ in which value they take.
+TEST_F(RestTest, RefusesKeysThatOccurTwice) {
+    const std::string dive = "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a'));
+    const auto place = [&](const std::string& body) {
+        const auto response = server.request(
+            "POST", dive + "/jobs", server.admin(), {{"Content-Type", "application/json"}}, body);
+        EXPECT_EQ(response.status, 400) << body;
+        return response.json()["errors"][0]["pointer"].get<std::string>();
+    };
+    EXPECT_EQ(place(R"({"preset": "fast", "preset": "paper"})"), "/preset");
+    EXPECT_EQ(place(R"({"options": {"seed": 1, "a": [], "seed": 2}})"), "/options/seed");
+    EXPECT_EQ(place(R"({"parents": [{}, [1, {"a/b": 1, "a/b": 2}]]})"), "/parents/1/1/a~1b");
+    EXPECT_EQ(place(R"({"preset": "fast", "pre\u0073et": "paper"})"), "/preset");
+    const auto fine = server.request("POST",
+                                     dive + "/jobs",
+                                     server.admin(),
+                                     {{"Content-Type", "application/json"}},
+                                     R"({"preset": "fast", "options": {"seed": 1}})");
+    EXPECT_EQ(fine.status, 201) << fine.body;
 }
 
 TEST_F(RestTest, TellsTheLogAndTheArtifactsOfAJob) {

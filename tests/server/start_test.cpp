@@ -1,15 +1,19 @@
 #include <gtest/gtest.h>
 
+#include <fcntl.h>
 #include <fstream>
 #include <soci/soci.h>
+#include <unistd.h>
 
 #include "schemas/error.hpp"
+#include "schemas/file_descriptor.hpp"
 #include "server/listen_address.hpp"
 #include "server/server.hpp"
 #include "storage/event_store.hpp"
 #include "storage/token_store.hpp"
 #include "storage/upload_store.hpp"
 #include "tests/ready_dive.hpp"
+#include "tests/server/server_process.hpp"
 #include "tests/server/test_server.hpp"
 
 namespace divemesh::server {
@@ -65,6 +69,30 @@ TEST(StartTest, DoesNotServeWithoutTheBlobsOfItsCatalog) {
     std::filesystem::remove_all(folder / "blobs");
     std::filesystem::rename(folder / "away", folder / "blobs");
     const server::Server again(config);
+}
+
+// Logs are kept and copied, so they must not contain the token.
+TEST(StartTest, TheLogNamesTheFileOfTheFirstTokenAndNotTheToken) {
+    const TemporaryFolder data;
+    const std::string log = (data / "log").string();
+    {
+        const FileDescriptor own(dup(STDERR_FILENO));
+        const FileDescriptor file(open(log.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600));
+        ASSERT_EQ(dup2(file.get(), STDERR_FILENO), STDERR_FILENO);
+        { ServerProcess server(data / "data"); }
+        ASSERT_EQ(dup2(own.get(), STDERR_FILENO), STDERR_FILENO);
+    }
+    const std::string secret = read_token(data / "data");
+    ASSERT_TRUE(secret.starts_with("dm_"));
+    std::ifstream lines(log);
+    int num_named = 0;
+    for (std::string line; std::getline(lines, line);) {
+        EXPECT_EQ(line.find(secret), std::string::npos);
+        ASSERT_TRUE(nlohmann::json::accept(line)) << line;
+        const auto fields = nlohmann::json::parse(line)["data"];
+        num_named += fields.value("file", "") == (data / "data/admin.token").string() ? 1 : 0;
+    }
+    EXPECT_EQ(num_named, 1);
 }
 
 TEST(StartTest, TheFirstTokenIsNotedOnce) {

@@ -153,6 +153,21 @@ TEST_F(TlsClientTest, LeavesAServerThatDoesNotProveToBeTheOne) {
     EXPECT_EQ(refusal(no_file), ErrorCode::InvalidArgument);
 }
 
+// RFC 6797, 7.2: never over plain HTTP.
+TEST_F(TlsTest, TellsBrowsersToStayWithTlsIfThatIsWanted) {
+    EXPECT_EQ(ask(TestServer(config).port()).text.find("Strict-Transport-Security"),
+              std::string::npos);
+    config.hsts = std::chrono::hours(24);
+    EXPECT_NE(ask(TestServer(config).port()).text.find("Strict-Transport-Security: max-age=86400"),
+              std::string::npos);
+    config.tls_certificate.clear();
+    config.tls_key.clear();
+    EXPECT_THROW(server::check_config(config), Error);
+    EXPECT_EQ(
+        TestServer(config).request("GET", "/healthz/live", "").header("strict-transport-security"),
+        "");
+}
+
 TEST_F(TlsTest, WhoSpeaksNoTlsIsLeftAlone) {
     config.timeouts.header = std::chrono::milliseconds(500);
     TestServer server(config);

@@ -68,6 +68,67 @@ TEST_F(TokenTest, AOneShotTokenOpensItsPathOnce) {
     EXPECT_EQ(open(artifact, ""), 401);
 }
 
+TEST_F(TokenTest, ARefusedRequestLeavesAOneShotTokenValid) {
+    const std::string secret = one_shot(artifact, reader);
+    EXPECT_EQ(server.request("GET", artifact + "?shaa256=1&one_shot=" + secret, "").status, 400);
+    EXPECT_EQ(
+        server
+            .request(
+                "GET", artifact + "?sha256=" + std::string(64, 'a') + "&one_shot=" + secret, "")
+            .status,
+        404);
+    EXPECT_EQ(open(artifact, secret), 200);
+    EXPECT_EQ(open(artifact, secret), 401);
+    const std::string events = one_shot("/api/v1/events", reader);
+    EXPECT_EQ(server.request("GET", "/api/v1/events?sinse=0&one_shot=" + events, "").status, 400);
+    EXPECT_EQ(open("/api/v1/events", events), 426) << "without Upgrade";
+}
+
+// A revoked token ends while a body still arrives, at the latest a second after it was revoked.
+TEST_F(TokenTest, ARevokedTokenWritesNoFurther) {
+    for (const bool with_checksum : {false, true}) {
+        const auto made = server.post_json(
+            "/api/v1/tokens", server.admin(), {{"name", "x"}, {"scopes", {"dives:write"}}});
+        const std::string token = made.json()["secret"];
+        const auto path = create_upload(server.port(), server.admin(), 1'000);
+        Headers headers = patch_headers(token, 0);
+        if (with_checksum)
+            headers.emplace_back("Upload-Checksum", "crc32c " + base64(std::string(4, 'x')));
+        RawClient client(server.port());
+        client.send(request_head("PATCH", path, headers, 1'000));
+        client.send("hello");
+        const std::string id = made.json()["id"];
+        EXPECT_EQ(server.request("DELETE", "/api/v1/tokens/" + id, server.admin()).status, 204);
+        std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+        client.send("of a thief");
+        const auto refused = client.receive();
+        ASSERT_TRUE(refused);
+        EXPECT_EQ(refused->status, 401) << refused->body;
+        EXPECT_EQ(upload_offset(server.port(), server.admin(), path), with_checksum ? 0 : 5);
+    }
+}
+
+TEST_F(TokenTest, ARevokedTokenReadsNoFurther) {
+    const std::string large = "/api/v1/jobs/" +
+                              server.make_job("default", "cloud.ply", random_bytes(30'000'000)) +
+                              "/artifacts/cloud.ply";
+    const auto made = server.post_json(
+        "/api/v1/tokens", server.admin(), {{"name", "x"}, {"scopes", {"dives:read"}}});
+    RawClient client(server.port(), 4096);
+    client.send(
+        request_head("GET",
+                     large,
+                     {{"Authorization", "Bearer " + made.json()["secret"].get<std::string>()}},
+                     std::nullopt));
+    std::size_t received = client.read_available().size();
+    const std::string id = made.json()["id"];
+    EXPECT_EQ(server.request("DELETE", "/api/v1/tokens/" + id, server.admin()).status, 204);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+    for (std::string more = client.read_available(); !more.empty(); more = client.read_available())
+        received += more.size();
+    EXPECT_LT(received, 25'000'000U);
+}
+
 TEST_F(TokenTest, OfManyWhoRaceForAOneShotTokenOneGetsIn) {
     const std::string secret = one_shot(artifact, reader);
     std::atomic<int> let_in = 0;

@@ -359,7 +359,9 @@ TEST_F(TusTest, ComparesTheContentTypeWithoutCaseAndParameters) {
     EXPECT_EQ(made.header("upload-offset"), "5");
 }
 
-TEST_F(TusTest, AChecksumTrailerThatWasNotAnnouncedMeansNothing) {
+// The server does not offer checksum-trailer (tus 1.0), and a recipient may discard trailers (RFC
+// 9110, 6.5). But a success would tell the client that its checksum was right.
+TEST_F(TusTest, AChecksumTrailerThatWasNotAnnouncedIsNoSuccess) {
     const auto path = create_upload(server.port(), token, 1000);
     Headers headers = patch_headers(token, 0);
     headers.emplace_back("Transfer-Encoding", "chunked");
@@ -368,9 +370,50 @@ TEST_F(TusTest, AChecksumTrailerThatWasNotAnnouncedMeansNothing) {
                 "5\r\nhello\r\n0\r\nUpload-Checksum: sha1 " + sha1_base64("other") + "\r\n\r\n");
     const auto response = client.receive();
     ASSERT_TRUE(response);
-    EXPECT_EQ(response->status, 204);
+    EXPECT_EQ(response->status, 415) << response->body;
     EXPECT_EQ(response->header("upload-offset"), "5");
     EXPECT_EQ(client.request("GET", "/healthz/live").status, 200) << "the connection goes on";
+    EXPECT_EQ(head(path).header("upload-offset"), "5");
+}
+
+TEST_F(TusTest, OtherTrailersAreDropped) {
+    const auto path = create_upload(server.port(), token, 1000);
+    Headers headers = patch_headers(token, 0);
+    headers.emplace_back("Transfer-Encoding", "chunked");
+    headers.emplace_back("Upload-Checksum", "sha1 " + sha1_base64("hello"));
+    RawClient client(server.port());
+    client.send(request_head("PATCH", path, headers, std::nullopt) +
+                "5\r\nhello\r\n0\r\nUpload-Offset: 7\r\nServer-Timing: x\r\n\r\n");
+    const auto response = client.receive();
+    ASSERT_TRUE(response);
+    EXPECT_EQ(response->status, 204) << response->body;
+    EXPECT_EQ(response->header("upload-offset"), "5");
+}
+
+// The first one has stored a part: it is told so, and the second one where to go on.
+TEST_F(TusTest, APatchThatANewerOneStopsIsToldWhatItStored) {
+    const auto path = create_upload(server.port(), token, 1000);
+    RawClient first(server.port());
+    first.send(request_head("PATCH", path, patch_headers(token, 0), 1000));
+    first.send(std::string(400, 'x'));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    const auto second = patch(path, 0, std::string(1000, 'x'));
+    EXPECT_EQ(second.status, 409);
+    EXPECT_EQ(second.header("upload-offset"), "400");
+    const auto told = first.receive();
+    ASSERT_TRUE(told);
+    EXPECT_EQ(told->status, 204) << told->body;
+    EXPECT_EQ(told->header("upload-offset"), "400");
+    EXPECT_TRUE(first.at_end()) << "the rest of its body must not be read as a request";
+}
+
+TEST_F(TusTest, APatchThatIsStoppedBeforeItsFirstByteIsToldConflict) {
+    const auto path = create_upload(server.port(), token, 1000);
+    RawClient first(server.port());
+    first.send(request_head("PATCH", path, patch_headers(token, 0), 1000));
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+    EXPECT_EQ(patch(path, 0, std::string(1000, 'x')).status, 204);
+    EXPECT_EQ(first.receive()->status, 409);
 }
 
 // A newer request stops an older one; whichever of them stored the bytes has to learn it.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "schemas/content_hash.hpp"
+#include "schemas/desktop_files.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/refusal.hpp"
 
@@ -41,16 +42,19 @@ std::optional<std::string> folder_of_dive(std::string_view path) {
 DiveFiles::DiveFiles(std::unique_ptr<DiveSource> source) : source_(std::move(source)) {
     std::vector<std::string> paths;
     paths.reserve(source_->files().size());
-    for (const SourceFile& file : source_->files()) paths.push_back(file.path);
+    for (const SourceFile& file : source_->files())
+        if (!is_left_by_desktop(file.path)) paths.push_back(file.path);
     const auto root = find_dive_root(paths);
     if (!root) refuse(source_->unused_links());
     for (const std::string& path : paths)
         if (auto folder = folder_of_dive(path); folder && *folder != root->strip)
             other_dives_.push_back(std::move(*folder));
     std::sort(other_dives_.begin(), other_dives_.end());
-    for (const SourceFile& file : source_->files())
+    for (const SourceFile& file : source_->files()) {
+        if (is_left_by_desktop(file.path)) continue;
         if (auto path = path_in_dive(*root, file.path))
             entries_.push_back({std::move(*path), &file});
+    }
     std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
         return a.path < b.path;
     });

@@ -110,6 +110,30 @@ TEST_F(DiveTarTest, LeavesOutLinksAndSaysSo) {
     EXPECT_EQ(tar.num_files(), 7U);
 }
 
+// What a Finder or Explorer window leaves behind changes neither what is sent nor the identity.
+TEST_F(DiveTarTest, LeavesOutWhatDesktopsLeave) {
+    for (const Links links : {Links::LeaveOut, Links::Follow}) {
+        const auto bytes = [&] {
+            DiveTar tar(dive, links);
+            EXPECT_TRUE(tar.left_out().empty());
+            return read_from(tar, 0, 1 << 20);
+        };
+        const std::string before = bytes();
+        for (const char* name : {".DS_Store",
+                                 "mav0/.DS_Store",
+                                 "mav0/cam0/._data.csv",
+                                 "mav0/cam0/data/Thumbs.db",
+                                 "mav0/cam1/desktop.ini",
+                                 "mav0/cam1/Desktop.ini"})
+            write_file(dive / name, "seen");
+        EXPECT_EQ(bytes(), before);
+        write_file(dive / "mav0/_data.csv", "of the dive");
+        EXPECT_NE(bytes(), before);
+        fs::remove_all(dive);
+        SetUp();
+    }
+}
+
 TEST_F(DiveTarTest, SendsWhatLinksLeadToUnderTheirNames) {
     fs::rename(dive / "mav0/cam1", folder / "right");
     fs::create_symlink("../../right", dive / "mav0/cam1");
