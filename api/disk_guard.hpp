@@ -9,7 +9,7 @@ namespace divemesh::api {
 
 // Returns the free bytes of the disk. If there are fewer than `wanted_bytes`, what can be computed
 // again is given up first. Blocks.
-std::int64_t free_bytes(const Services& services, std::int64_t wanted_bytes);
+std::int64_t reachable_bytes(const Services& services, std::int64_t wanted_bytes);
 
 // Returns whether new work may begin. Blocks.
 bool has_room(const Services& services);

@@ -39,7 +39,8 @@ void remove_expired_dives(const Services& services) {
 void remove_expired_results(const Services& services) {
     storage::ResultRemoval removal(services.catalog);
     for (const std::string& job_id : removal.expired(kPerRound)) {
-        services.blobs.remove_prefix("jobs/" + job_id + "/");
+        for (const std::string& prefix : removal.blob_prefixes(job_id))
+            services.blobs.remove_prefix(prefix);
         removal.forget(job_id);
     }
 }
@@ -56,17 +57,28 @@ void attempt(const char* task_name, const Services& services, const Task& task) 
     }
 }
 
+// Takes the write lock anew for each round, so that nobody waits for long.
+void remove_old_results(const Services& services) {
+    storage::ResultRemoval removal(services.catalog);
+    const auto audit = [](soci::session& session, const std::string& job_id) {
+        append_audit_event(session, "keep_results", "deleted the result of job " + job_id);
+    };
+    while (!services.stopping &&
+           removal.remove_old(services.limits.keep_deleted, kPerRound, audit) == kPerRound) {
+    }
+}
+
 }  // namespace
 
 void clean_up(const Services& services) {
     auto& catalog = services.catalog;
     attempt("reserve", services, [&] {
-        free_bytes(services, services.limits.min_free_bytes + DiskReserve::kBytes);
+        reachable_bytes(services, services.limits.min_free_bytes + DiskReserve::kBytes);
         services.reserve.hold(services.limits.min_free_bytes);
     });
     attempt("dives", services, [&] { remove_expired_dives(services); });
     attempt("results", services, [&] {
-        storage::ResultRemoval(catalog).remove_old(services.limits.keep_deleted);
+        remove_old_results(services);
         remove_expired_results(services);
     });
     attempt("truth", services, [&] { remove_deleted_truth(services); });

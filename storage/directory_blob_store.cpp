@@ -263,6 +263,14 @@ fs::path DirectoryBlobStore::checked(const fs::path& folder, Opening opening) {
 
 // Reads by the path, so that a disk that was mounted or unmounted meanwhile is noticed.
 std::string DirectoryBlobStore::data_id() {
+    struct stat opened {};
+    struct stat present {};
+    if (fstat(blobs_.get(), &opened) != 0) throw_errno("looking for the blobs");
+    if (::stat((folder_ / "blobs").c_str(), &present) == 0 &&
+        (opened.st_dev != present.st_dev || opened.st_ino != present.st_ino))
+        throw Error(ErrorCode::Unavailable,
+                    "the disk of " + fs::absolute(folder_).string() +
+                        " was mounted again since this process opened it: restart the process");
     const FileDescriptor file(::open((folder_ / kDataIdName).c_str(), O_RDONLY | O_CLOEXEC));
     if (!file.is_open() && (errno == ENOENT || errno == ENOTDIR)) return "";
     if (!file.is_open()) throw_errno("opening " + (folder_ / kDataIdName).string());

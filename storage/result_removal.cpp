@@ -1,6 +1,7 @@
 #include "storage/result_removal.hpp"
 
 #include <algorithm>
+#include <set>
 
 #include "schemas/error.hpp"
 #include "storage/job_changes.hpp"
@@ -96,11 +97,15 @@ void ResultRemoval::restore(const std::string& job_id) {
                         "the result of job " + job_id +
                             " has expired and cannot be restored: create a new job");
         write_deletion(session, job_id, {});
+        execute(session, "UPDATE jobs SET kept = 1 WHERE id = :id", soci::use(job_id, "id"));
         append_job_event(session, job_id, "job.restored");
     });
 }
 
-int ResultRemoval::remove_old(std::chrono::milliseconds keep) {
+int ResultRemoval::remove_old(
+    std::chrono::milliseconds keep,
+    int limit,
+    const std::function<void(soci::session&, const std::string& job_id)>& deleted) {
     int num_removed = 0;
     catalog_.transaction([&](soci::session& session) {
         if (!select_one<TextRow>(session, "SELECT project FROM queues WHERE keep_results > 0"))
@@ -109,7 +114,7 @@ int ResultRemoval::remove_old(std::chrono::milliseconds keep) {
         const Deletion deletion{now_ms, now_ms + keep.count()};
         const auto old = select_all<TextRow>(
             session,
-            "SELECT id FROM (SELECT id, ROW_NUMBER() OVER"
+            "SELECT id FROM (SELECT id, kept, ROW_NUMBER() OVER"
             "    (PARTITION BY dive_id, kind ORDER BY finished_at_ms DESC, id DESC) AS place,"
             "    COALESCE(NULLIF((SELECT keep_results FROM queues WHERE queues.project ="
             "      jobs.project), 0), (SELECT keep_results FROM queues WHERE project = ''), 0)"
@@ -117,10 +122,13 @@ int ResultRemoval::remove_old(std::chrono::milliseconds keep) {
                 kReaders +
                 " AS is_read FROM jobs"
                 "  WHERE state = 'succeeded' AND kind <> 'intake' AND deleted_at_ms = 0)"
-                " WHERE num_kept > 0 AND place > num_kept AND NOT is_read ORDER BY id");
+                " WHERE num_kept > 0 AND place > num_kept AND NOT is_read AND kept = 0"
+                " ORDER BY id LIMIT :limit",
+            soci::use(limit, "limit"));
         for (const std::string& job_id : old) {
             write_deletion(session, job_id, deletion);
             append_job_event(session, job_id, "job.deleted");
+            deleted(session, job_id);
         }
         num_removed = static_cast<int>(old.size());
     });
@@ -142,9 +150,28 @@ std::vector<std::string> ResultRemoval::expired(int limit) {
     return ids;
 }
 
+// Keys of an attempt begin with jobs/ID/attempt-NUMBER-LEASE/.
+std::vector<std::string> ResultRemoval::blob_prefixes(const std::string& job_id) {
+    std::vector<std::string> blobs;
+    catalog_.read([&](soci::session& session) {
+        blobs = select_all<TextRow>(session,
+                                    "SELECT blob FROM artifacts WHERE job_id = :id ORDER BY blob",
+                                    soci::use(job_id, "id"));
+    });
+    const std::string folder = "jobs/" + job_id + "/";
+    std::set<std::string> prefixes;
+    for (const std::string& blob : blobs)
+        if (blob.starts_with(folder))
+            prefixes.insert(blob.substr(0, blob.find('/', folder.size()) + 1));
+    return {prefixes.begin(), prefixes.end()};
+}
+
 void ResultRemoval::forget(const std::string& job_id) {
     catalog_.transaction([&](soci::session& session) {
-        execute(session, "DELETE FROM artifacts WHERE job_id = :id", soci::use(job_id, "id"));
+        execute(session,
+                "DELETE FROM artifacts WHERE job_id = :id"
+                " AND EXISTS (SELECT 1 FROM jobs WHERE id = :id AND deleted_at_ms > 0)",
+                soci::use(job_id, "id"));
     });
 }
 

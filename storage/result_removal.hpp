@@ -33,12 +33,18 @@ public:
     void remove(const std::string& job_id, std::chrono::milliseconds keep);
     void restore(const std::string& job_id);  // throws Error{Conflict} if it has expired
 
-    // Deletes what projects do not want to keep (Queue::keep_results). Returns how many results.
-    int remove_old(std::chrono::milliseconds keep);
+    // Deletes what projects do not want to keep (Queue::keep_results), `limit` results at most, and
+    // calls `deleted` with each in the same transaction. What was restored stays. Returns how many.
+    int remove_old(std::chrono::milliseconds keep,
+                   int limit,
+                   const std::function<void(soci::session&, const std::string& job_id)>& deleted);
 
     // Returns jobs with a result that was deleted and has expired, `limit` at most.
     std::vector<std::string> expired(int limit);
-    // Removes the rows of the artifacts; call it after their blobs are removed.
+    // Returns the prefixes of the keys of a job's artifacts, one per attempt that made some.
+    std::vector<std::string> blob_prefixes(const std::string& job_id);
+    // Removes the rows of the artifacts, unless the job was tried again; call it after their blobs
+    // are removed.
     void forget(const std::string& job_id);
 
 private:

@@ -15,7 +15,7 @@ Upload enter_upload(const Services& services,
     const ServiceLimits& limits = services.limits;
     const std::int64_t wanted = upload.length_bytes.value_or(0);
     const std::int64_t needed = limits.min_free_bytes + wanted;
-    if (free_bytes(services, needed) < needed)
+    if (reachable_bytes(services, needed) < needed)
         throw Error(ErrorCode::OutOfSpace,
                     "the server's disk has no space for " + std::to_string(wanted) +
                         " bytes: delete dives or ask the administrator");

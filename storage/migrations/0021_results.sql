@@ -2,6 +2,7 @@
 ALTER TABLE jobs ADD COLUMN result_bytes INTEGER NOT NULL DEFAULT 0;  -- of its artifacts
 ALTER TABLE jobs ADD COLUMN deleted_at_ms INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE jobs ADD COLUMN expires_at_ms INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE jobs ADD COLUMN kept INTEGER NOT NULL DEFAULT 0;  -- 1: restored, so no rule deletes it
 ALTER TABLE queues ADD COLUMN keep_results INTEGER NOT NULL DEFAULT 0  -- of a dive and kind; 0: all
     CHECK (keep_results >= 0);
 

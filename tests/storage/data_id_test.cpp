@@ -67,6 +67,31 @@ TEST_F(DataIdTest, RefusesTheBlobsOfAnotherCatalogAndNone) {
     EXPECT_THAT(data_mismatch(catalog_, *empty), HasSubstr((blobs_folder_ / "empty").string()));
 }
 
+// A copy of the catalog's file from before the data got their id.
+TEST_F(DataIdTest, AnOlderCatalogThatIsRestoredGoesOnWithItsBlobs) {
+    make_dive(*blobs_);
+    blobs_->set_data_id("later");
+    claim_data(catalog_, *blobs_);
+    EXPECT_EQ(data_mismatch(catalog_, *blobs_), "");
+    EXPECT_EQ(blobs_->data_id(), "later");
+}
+
+TEST_F(DataIdTest, NamesTheIdThatMovedBlobsLack) {
+    claim_data(catalog_, *blobs_);
+    const std::string id = blobs_->data_id();
+    fs::remove(blobs_folder_ / "blobs" / "data-id");
+    EXPECT_THAT(data_mismatch(catalog_, *blobs_), HasSubstr("write " + id));
+}
+
+// As a disk that was unplugged and mounted again: what is open is the old one.
+TEST_F(DataIdTest, NoticesADiskThatWasMountedAgain) {
+    claim_data(catalog_, *blobs_);
+    fs::rename(blobs_folder_ / "blobs", blobs_folder_ / "away");
+    fs::copy(blobs_folder_ / "away", blobs_folder_ / "blobs", fs::copy_options::recursive);
+    EXPECT_THAT(data_mismatch(catalog_, *blobs_), HasSubstr("restart"));
+    EXPECT_EQ(data_mismatch(catalog_, *open("blobs")), "");
+}
+
 TEST_F(DataIdTest, NoticesADiskThatWentAway) {
     claim_data(catalog_, *blobs_);
     fs::rename(blobs_folder_ / "blobs", blobs_folder_ / "away");

@@ -40,7 +40,13 @@ protected:
         });
     }
 
+    int remove_old(int limit = 100) {
+        return removal_.remove_old(
+            kDay, limit, [&](soci::session&, const std::string& id) { told_.push_back(id); });
+    }
+
     ResultRemoval removal_{catalog_};
+    std::vector<std::string> told_;
 };
 
 TEST_F(ResultRemovalTest, ResultsCountTowardsTheQuotaUntilTheyAreRemoved) {
@@ -118,18 +124,46 @@ TEST_F(ResultRemovalTest, KeepsTheNewestResultsOfADive) {
         finished_at(results.back(), 1000 + i);
     }
     const Job other = result_of(ready_dive("reef"));
-    EXPECT_EQ(removal_.remove_old(kDay), 0);
+    EXPECT_EQ(remove_old(), 0);
     queues.change("", {.keep_results = 3});
     queues.change("default", {.keep_results = 2});  // counts more than that of all projects
 
-    EXPECT_EQ(removal_.remove_old(kDay), 2);
+    EXPECT_EQ(remove_old(), 2);
     EXPECT_THAT(listed(true), testing::UnorderedElementsAre(results[0].id, results[1].id));
     EXPECT_THAT(listed(false),
                 testing::UnorderedElementsAre(results[2].id, results[3].id, other.id));
-    EXPECT_EQ(removal_.remove_old(kDay), 0);
+    EXPECT_EQ(remove_old(), 0);
+    EXPECT_THAT(told_, testing::UnorderedElementsAre(results[0].id, results[1].id));
     EXPECT_EQ(queues.get("default").keep_results, 2);
     EXPECT_TRUE(
         throws_code(ErrorCode::InvalidArgument, [&] { queues.change("", {.keep_results = -1}); }));
+}
+
+TEST_F(ResultRemovalTest, WhatWasRestoredIsNotDeletedByTheRule) {
+    const Dive dive = ready_dive();
+    std::vector<Job> results;
+    for (int i = 0; i < 4; ++i) {
+        results.push_back(result_of(dive));
+        finished_at(results.back(), 1000 + i);
+    }
+    QueueStore(catalog_).change("default", {.keep_results = 1});
+    EXPECT_EQ(remove_old(2), 2);  // a round
+    EXPECT_EQ(remove_old(2), 1);
+    removal_.restore(results[0].id);
+
+    EXPECT_EQ(remove_old(), 0);
+    EXPECT_THAT(listed(false), testing::UnorderedElementsAre(results[0].id, results[3].id));
+}
+
+TEST_F(ResultRemovalTest, RemovesNothingOfAJobThatWasTriedAgain) {
+    const Job job = result_of(ready_dive());
+    removal_.remove(job.id, std::chrono::milliseconds(0));
+    EXPECT_THAT(removal_.blob_prefixes(job.id), ElementsAre("jobs/" + job.id + "/1/"));
+    catalog_.transaction([&](soci::session& session) {
+        session << "UPDATE jobs SET deleted_at_ms = 0 WHERE id = :id", soci::use(job.id, "id");
+    });
+    removal_.forget(job.id);
+    EXPECT_EQ(jobs_.artifacts(job.id).size(), 2U);
 }
 
 }  // namespace

@@ -101,8 +101,6 @@ void AttemptRunner::run(const std::stop_token& stop) {
             conclude(*result_, request);
         else
             fail(failure_of(end_));
-    } catch (const StorageError& error) {
-        put_back({error.code(), error.what()});
     } catch (const Error& error) {
         fail({error.code(), error.what()});
     } catch (const std::exception& error) {
@@ -378,8 +376,7 @@ std::vector<Artifact> AttemptRunner::store_artifacts(const attempt::AttemptReque
 }
 
 void AttemptRunner::fail(const Failure& failure) {
-    if (const auto fault = fault_of_worker(gate_, failure, filled_the_disk()))
-        return put_back(*fault);
+    if (const auto fault = fault_of_worker(gate_, failure, is_to_blame())) return put_back(*fault);
     log_info({{"event", "attempt_failed"},
               {"job", claim_.job.id},
               {"attempt", claim_.lease.attempt},
@@ -390,9 +387,10 @@ void AttemptRunner::fail(const Failure& failure) {
     persist([&] { return jobs_.fail(claim_.lease, failure, unreadable_truth_); });
 }
 
-// Returns whether the attempt has used most of the space that it may use.
-bool AttemptRunner::filled_the_disk() const {
-    return stop_ == Stop::ScratchFull ||
+// Returns whether the attempt has used most of the space or all of the time that it may use: then a
+// full disk is no excuse.
+bool AttemptRunner::is_to_blame() const {
+    return stop_ == Stop::ScratchFull || stop_ == Stop::Deadline || stop_ == Stop::Stalled ||
            (scratch_bytes_ > 0 &&
             scratch_usage_bytes(folder(), kNoProcess) > scratch_bytes_ / 4 * 3);
 }

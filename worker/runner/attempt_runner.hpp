@@ -62,7 +62,7 @@ private:
     std::vector<Artifact> store_artifacts(const attempt::AttemptRequest& request);
     void fail(const Failure& failure);
     void put_back(const Failure& failure);
-    bool filled_the_disk() const;
+    bool is_to_blame() const;
     void remove_scratch() const;
     void fail_with_partial_result(const Failure& failure, const attempt::AttemptRequest& request);
     void remove_blobs() const;

@@ -31,9 +31,9 @@ private:
 };
 
 // Returns the failure of an attempt anew if the worker's own storage explains it: the blobs of the
-// catalog are not there any more, or the disk is full and the attempt itself has not filled it.
+// catalog are not there any more, or a disk is full and the attempt itself is not to blame.
 std::optional<Failure> fault_of_worker(WorkerGate& gate,
                                        const Failure& failure,
-                                       bool has_filled_the_disk);
+                                       bool attempt_is_to_blame);
 
 }  // namespace divemesh::runner
