@@ -18,7 +18,8 @@ struct BodyRead {
     State state = State::More;
 };
 
-constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 20;  // but of uploads and streams
+// The largest body of a request; those of uploads and streams may be larger.
+constexpr std::size_t kMaxBodyBytes = std::size_t{1} << 20;
 
 // A request's body as it arrives; the server supplies it. Only the connection's coroutine uses it,
 // but any thread may call stop().

@@ -36,9 +36,9 @@ struct ServiceLimits {
     // A client that is slower, measured over `rate_window`, is disconnected.
     std::int64_t min_upload_bytes_per_s = 64;
     std::chrono::milliseconds rate_window = std::chrono::seconds(60);
-    std::int64_t max_project_bytes = 0;  // of its dives and uploads; 0: no limit
+    std::int64_t max_project_bytes = 0;  // of its dives, results and uploads; 0: no limit
     std::int64_t max_project_dives = 0;  // 0: no limit
-    // How long deleted dives can be restored before they are removed.
+    // How long deleted dives and results can be restored before they are removed.
     std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);
     std::chrono::seconds hsts{0};  // how long browsers use nothing but TLS; 0: not stated
     std::vector<std::string> allowed_origins;  // of other pages that may use this server

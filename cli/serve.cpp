@@ -41,7 +41,7 @@ void add_serve(CLI::App& app, Context& context) {
     command->add_option("--io-threads", options->config.num_io_threads, "threads for connections")->capture_default_str()->check(CLI::Range(1, 256));
     command->add_option("--max-upload", options->config.max_upload_bytes, "max size of an archive (500G)")->transform(CLI::AsSizeValue(true));
     command->add_option("--min-free", options->config.min_free_bytes, "disk space that is never used (10G)")->transform(CLI::AsSizeValue(true));
-    command->add_option("--max-project-bytes", options->config.max_project_bytes, "max size of a project's dives and uploads together (500G); 0: no limit")->transform(CLI::AsSizeValue(true));
+    command->add_option("--max-project-bytes", options->config.max_project_bytes, "max size of a project's dives, results and uploads together (500G); 0: no limit")->transform(CLI::AsSizeValue(true));
     command->add_option("--max-project-dives", options->config.max_project_dives, "max dives of a project; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
     command->add_option("--max-open-uploads", options->config.max_open_uploads, "max unfinished uploads of a project; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
     command->add_option("--max-token-uploads", options->config.max_token_uploads, "max unfinished uploads started with one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
@@ -59,7 +59,7 @@ void add_serve(CLI::App& app, Context& context) {
     command->add_option("--max-address-connections", options->config.max_address_connections, "max open connections of one address (IPv6: of one /64 network), loopback excepted; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
     command->add_option("--proxy-network", options->config.many_client_networks, "network without that limit, because many clients come from one address there: 10.1.0.5, 10.1.0.0/16 (may be repeated)");
     command->add_option("--max-rate", options->config.max_requests_per_s, "max requests per second of one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
-    command->add_option("--keep-deleted-days", options->keep_deleted_days, "days in which a deleted dive can be restored")->capture_default_str()->check(CLI::Range(0, 3650));
+    command->add_option("--keep-deleted-days", options->keep_deleted_days, "days in which a deleted dive or result can be restored")->capture_default_str()->check(CLI::Range(0, 3650));
     command->add_flag("--no-auth", options->config.no_auth, "allow everything without a token; only on loopback");
     // clang-format on
     command->callback([options, &context] {

@@ -38,7 +38,7 @@ int validate(const fs::path& dive, const Context& context) {
                                     {"name", report.name},
                                     {"site", report.site},
                                     {"tags", report.tags},
-                                    {"content_sha256", report.content_sha256},
+                                    {"content_sha256", report.content_sha256.sha256},
                                     {"num_frames", report.num_frames},
                                     {"duration_s", report.duration_s}}
                          .dump(2)

@@ -102,8 +102,9 @@ std::optional<std::string> path_in_dive(const DiveRoot& root, std::string_view p
     return root.prefix + std::string(path.substr(root.strip.size()));
 }
 
-std::string content_sha256(std::vector<HashedFile> files) {
-    std::erase_if(files, [](const HashedFile& file) { return is_left_by_desktop(file.path); });
+namespace {
+
+std::string sha256_of_list(std::vector<HashedFile> files) {
     std::sort(files.begin(), files.end(), [](const HashedFile& a, const HashedFile& b) {
         return a.path < b.path;  // std::string compares as unsigned bytes
     });
@@ -123,6 +124,26 @@ std::string content_sha256(std::vector<HashedFile> files) {
         previous = &file.path;
     }
     return hash.hex();
+}
+
+bool is_of_desktop(const HashedFile& file) { return is_left_by_desktop(file.path); }
+
+}  // namespace
+
+std::string content_sha256(std::vector<HashedFile> files) {
+    std::erase_if(files, is_of_desktop);
+    return sha256_of_list(std::move(files));
+}
+
+ContentHash content_hash(const std::vector<HashedFile>& files) {
+    ContentHash hash{.sha256 = content_sha256(files)};
+    if (std::any_of(files.begin(), files.end(), is_of_desktop))
+        hash.with_desktop_files = sha256_of_list(files);
+    return hash;
+}
+
+bool ContentHash::matches(std::string_view stated) const {
+    return !stated.empty() && (stated == sha256 || stated == with_desktop_files);
 }
 
 }  // namespace divemesh

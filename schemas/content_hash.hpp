@@ -51,10 +51,25 @@ struct HashedFile {
     std::string sha256;  // lower-case hex
 };
 
+// The hashes by which a dive is known.
+struct ContentHash {
+    std::string sha256;  // of content_sha256(); "" if unknown
+    // What earlier versions called its hash: that over all files, also those of desktop_files.hpp;
+    // "" if it has none of these.
+    std::string with_desktop_files = {};
+
+    // Returns whether `stated`, by this version or an earlier one, is the hash of this dive.
+    bool matches(std::string_view stated) const;
+    bool operator==(const ContentHash&) const = default;
+};
+
 // Returns the identity of a dive, the same for its folder and any archive of it: SHA-256 of one
 // line "<sha256>  <path>\n" for every regular file under the root, including hidden ones but no
 // links and no desktop_files.hpp, sorted by the bytes of the path. Throws Error{BadData} for a path
 // that occurs twice or contains a line end, which could make two dives look alike.
 std::string content_sha256(std::vector<HashedFile> files);
+
+// Returns both hashes of a dive. Throws as content_sha256() does.
+ContentHash content_hash(const std::vector<HashedFile>& files);
 
 }  // namespace divemesh

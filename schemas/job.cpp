@@ -38,7 +38,9 @@ std::string_view usual_remedy(ErrorCode code) {
         case ErrorCode::Locked:
         case ErrorCode::TooMany:
         case ErrorCode::Cancelled: return "put it back into the queue with `divemesh retry`";
-        case ErrorCode::OutOfQuota: return "delete dives of the project, or ask for a larger quota";
+        case ErrorCode::OutOfQuota:
+            return "delete dives of the project, or results if it lacks bytes, or ask for a larger "
+                   "quota";
         case ErrorCode::OutOfSpace:
             return "free space on the disks of the workers' scratch folder and of the blobs";
         case ErrorCode::OutOfMemory:

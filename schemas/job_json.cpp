@@ -107,9 +107,11 @@ void from_json(const nlohmann::json& json, Job& job) {
     if (!json.at("forecast").is_null()) job.forecast = json.at("forecast").get<Forecast>();
     job.failure = json.at("failure").is_null() ? Failure{} : json.at("failure").get<Failure>();
     json.at("requirements").get_to(job.requirements);
-    if (job.kind == JobKind::Reconstruct && !json.at("verdict").is_null())
-        job.verdict = verdict_from_string(json.at("verdict").get<std::string>());
-    json.at("findings").get_to(job.findings);
+    // Older servers state neither verdict nor findings.
+    if (const auto verdict = json.find("verdict");
+        job.kind == JobKind::Reconstruct && verdict != json.end() && !verdict->is_null())
+        job.verdict = verdict_from_string(verdict->get<std::string>());
+    job.findings = json.value("findings", std::vector<Finding>());
     json.at("not_before_ms").get_to(job.not_before_ms);
     json.at("created_at_ms").get_to(job.created_at_ms);
     json.at("started_at_ms").get_to(job.started_at_ms);
@@ -164,7 +166,7 @@ void from_json(const nlohmann::json& json, Queue& queue) {
     json.at("project").get_to(queue.project);
     json.at("paused").get_to(queue.paused);
     json.at("max_running").get_to(queue.max_running);
-    json.at("keep_results").get_to(queue.keep_results);
+    queue.keep_results = json.value("keep_results", 0);  // older servers keep all
     json.at("num_jobs").get_to(queue.num_jobs);
 }
 

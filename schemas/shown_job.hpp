@@ -10,8 +10,8 @@ namespace divemesh {
 
 // A job as the API shows it, with what is known only on request.
 struct ShownJob : Job {
-    // Why it waits although it may be its turn: a word of WaitReason, or of a newer version; "":
-    // for nothing else.
+    // Why it waits although it may be its turn: a word of WaitReason, or of a newer version. Empty
+    // if nothing but the jobs before it keeps it waiting.
     std::string waits_for;
     std::int64_t deleted_at_ms = 0;  // of its result; 0: it is not deleted
     std::int64_t expires_at_ms = 0;  // when the result is removed for good

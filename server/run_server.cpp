@@ -65,6 +65,7 @@ void say_where_token_is(const Server& server) {
 }  // namespace
 
 void run_server(const ServerConfig& config) {
+    check_config(config);
     std::signal(SIGXFSZ, SIG_IGN);  // a file that cannot grow becomes an error of write()
     start_log();
     ServerConfig fitting = config;

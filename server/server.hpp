@@ -45,7 +45,7 @@ struct ServerConfig {
     std::int64_t max_open_uploads = 1000;                                 // of one project
     std::int64_t max_token_uploads = 200;      // open uploads of one token
     std::int64_t min_upload_bytes_per_s = 64;  // over Timeouts::rate
-    std::int64_t max_project_bytes = 0;        // of its dives and uploads; 0: no limit
+    std::int64_t max_project_bytes = 0;        // of its dives, results and uploads; 0: none
     std::int64_t max_project_dives = 0;        // 0: no limit
     int max_connections = 2000;                // a quarter of them for clients with a valid token
     int max_address_connections = 256;         // of one address; 0: no limit
@@ -90,8 +90,8 @@ private:
 };
 
 // Runs `divemesh serve`: a Server with its workers until SIGTERM or SIGINT. Prints one line on
-// stdout once it is ready: "listening on http://127.0.0.1:8080". Throws as Server's constructor
-// does.
+// stdout once it is ready: "listening on http://127.0.0.1:8080". Throws as check_config() and
+// Server's constructor do.
 void run_server(const ServerConfig& config);
 
 // Checks whether a server could start with `config`, as far as possible without changing anything.

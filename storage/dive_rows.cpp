@@ -20,15 +20,15 @@ std::string select_dive(const std::string& where) {
 // nullopt.
 std::optional<Finding> check_identity(soci::session& session,
                                       const Dive& dive,
-                                      const std::string& content_sha256) {
-    if (content_sha256.empty()) return std::nullopt;
-    if (!dive.content_sha256.empty() && dive.content_sha256 != content_sha256)
+                                      const ContentHash& content) {
+    if (content.sha256.empty()) return std::nullopt;
+    if (!dive.content_sha256.empty() && !content.matches(dive.content_sha256))
         return Finding{.severity = Severity::Error,
                        .code = "content_hash_mismatch",
-                       .message = "the SHA-256 of the recording is " + content_sha256 +
+                       .message = "the SHA-256 of the recording is " + content.sha256 +
                                   ", but its client announced " + dive.content_sha256,
                        .remedy = "check the recording on the laptop and upload it again"};
-    const auto other = find_recording(session, dive.project, "", content_sha256);
+    const auto other = find_recording(session, dive.project, "", content.sha256);
     if (other && other->id != dive.id)
         return Finding{.severity = Severity::Error,
                        .code = "duplicate_dive",
@@ -161,7 +161,7 @@ IntakeVerdict apply_intake(soci::session& session,
     dive.site = result.site;
     dive.rig = result.rig;
     dive.tags = result.tags;
-    if (!result.content_sha256.empty()) dive.content_sha256 = result.content_sha256;
+    if (!result.content_sha256.sha256.empty()) dive.content_sha256 = result.content_sha256.sha256;
     dive.num_frames = result.num_frames;
     dive.duration_s = result.duration_s;
     dive.has_thumbnail = !result.thumbnail_blob.empty();

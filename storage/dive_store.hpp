@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "schemas/content_hash.hpp"
 #include "schemas/dive.hpp"
 #include "schemas/finding.hpp"
 #include "schemas/job.hpp"
@@ -45,7 +46,7 @@ struct IntakeResult {
     std::string site;
     std::string rig;
     std::vector<std::string> tags;
-    std::string content_sha256;
+    ContentHash content_sha256;
     std::int64_t num_frames = 0;
     double duration_s = 0.0;
     std::string thumbnail_blob;  // "": no thumbnail

@@ -76,9 +76,8 @@ Job put_back(soci::session& session, const std::string& id) {
     const std::string progress = to_text(Progress{});
     execute(session,
             "UPDATE jobs SET num_attempts = 0, num_silent_losses = 0, cancel_requested = 0,"
-            " paused = 0, lowered = 0, deleted_at_ms = 0, expires_at_ms = 0, stages = '[]', "
-            "verdict = '', findings = '[]',"
-            " progress = :progress WHERE id = :id",
+            " paused = 0, lowered = 0, deleted_at_ms = 0, expires_at_ms = 0, stages = '[]',"
+            " verdict = '', findings = '[]', progress = :progress WHERE id = :id",
             soci::use(progress, "progress"),
             soci::use(id, "id"));
     drop_partial_result(session, id);

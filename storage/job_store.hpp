@@ -112,9 +112,9 @@ public:
     // Error{Conflict} if it is finished.
     Job cancel(const std::string& id);
     // Queues a failed, dead or cancelled job again, with attempts from 0; a deleted result is not
-    // restored. Jobs that failed only
-    // because of it are held behind it again. Throws Error{Conflict} in another state, on a refused
-    // dive, while a parent has not succeeded, and while another job does the same work.
+    // restored. Jobs that failed only because of it are held behind it again. Throws
+    // Error{Conflict} in another state, on a refused dive, while a parent has not succeeded, and
+    // while another job does the same work.
     Job retry(const std::string& id);
     // Throws Error{Conflict} if the job no longer waits.
     Job change(const std::string& id, const JobChange& change);

@@ -11,8 +11,8 @@ namespace divemesh::storage {
 // and those of deleted results, count until they expire.
 struct ProjectUsage {
     std::int64_t num_dives = 0;
-    std::int64_t stored_bytes =
-        0;  // archives, truth, results, and open uploads with their announced length
+    // Of archives, truth, results, and open uploads with their announced length.
+    std::int64_t stored_bytes = 0;
 };
 
 // Read the usage of a project; "" means all projects.

@@ -7,6 +7,7 @@
 #include "storage/dive_rows.hpp"
 #include "storage/job_changes.hpp"
 #include "storage/job_rows.hpp"
+#include "storage/result_removal.hpp"
 #include "storage/sql.hpp"
 #include "storage/truth_store.hpp"
 
@@ -58,6 +59,7 @@ Job named_reconstruction(soci::session& session, const Dive& dive, const std::st
     if (job.kind != JobKind::Reconstruct)
         throw Error(ErrorCode::InvalidArgument,
                     "job " + id + " is not a reconstruction: give one that is");
+    require_result(session, id);
     return job;
 }
 

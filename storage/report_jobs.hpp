@@ -28,7 +28,7 @@ inline constexpr const char* kLaterAreas = "later_areas";
 //   tag      of a report: a tag of the dive, whose earlier metrics it is compared with
 //
 // Throws Error{NotFound} for an object that the project lacks, Error{InvalidArgument} for one of
-// another kind or another dive.
+// another kind or another dive, Error{Gone} for a reconstruction whose result was deleted.
 void resolve_names(soci::session& session, const Dive& dive, NewJob& request);
 
 // Marks the file that a report could not read. Returns true if it was not chosen by name: the job's

@@ -18,7 +18,7 @@ Upload enter_upload(const Services& services,
     if (reachable_bytes(services, needed) < needed)
         throw Error(ErrorCode::OutOfSpace,
                     "the server's disk has no space for " + std::to_string(wanted) +
-                        " bytes: delete dives or ask the administrator");
+                        " bytes: delete dives or results, or ask the administrator");
     if (!plan_of(upload.metadata).truth) require_dive_of_quota(services, upload.project);
     const storage::UploadLimits upload_limits{.max_bytes_of_project = limits.max_project_bytes,
                                               .max_open_of_project = limits.max_open_uploads,

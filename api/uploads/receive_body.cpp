@@ -43,7 +43,7 @@ private:
     Clock::time_point began_ = Clock::now();
 };
 
-// Who sends a body: its bytes, and the token that has to stay valid until the last one.
+// Where a body comes from: its bytes, and the token that has to stay valid until the last one.
 struct Sender {
     std::shared_ptr<BodyStream> stream;
     std::shared_ptr<TokenWatch> token;

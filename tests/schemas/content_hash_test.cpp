@@ -42,6 +42,22 @@ TEST(ContentHashTest, KnowsWhatDesktopsLeave) {
               content_sha256({{"a", sha256_hex("x")}}));
 }
 
+// The digests are what `sha256sum mav0/a | sha256sum` and `sha256sum .DS_Store mav0/a | sha256sum`
+// print for files with "seen" and "abc".
+TEST(ContentHashTest, MatchesWhatEarlierVersionsStated) {
+    constexpr auto kToday = "2bdb05d3968c2c2844cf36dfaadc22cbd6d1d31165dd7fc86e937ffee61dd58f";
+    constexpr auto kEarlier = "10a6d48fa887e10bf52b76bb556a70010548b7d4300d106fd097082f6789494b";
+    const HashedFile image{"mav0/a", sha256_hex("abc")};
+    const HashedFile desktop{".DS_Store", sha256_hex("seen")};
+
+    EXPECT_TRUE(content_hash({image, desktop}).matches(kToday));
+    EXPECT_TRUE(content_hash({image, desktop}).matches(kEarlier));
+    EXPECT_TRUE(content_hash({image}).matches(kToday));
+    EXPECT_FALSE(content_hash({image}).matches(kEarlier));
+    EXPECT_FALSE(content_hash({image}).matches(""));
+    EXPECT_FALSE(content_hash({image, desktop}).matches(sha256_hex("something else")));
+}
+
 TEST(ContentHashTest, RefusesTwoFilesOfOneNameAndLineEndsInNames) {
     EXPECT_THROW(content_sha256({{"a", sha256_hex("")}, {"a", sha256_hex("x")}}), Error);
     EXPECT_THROW(content_sha256({{"a\nb", sha256_hex("")}}), Error);

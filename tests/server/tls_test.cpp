@@ -163,6 +163,7 @@ TEST_F(TlsTest, TellsBrowsersToStayWithTlsIfThatIsWanted) {
     config.tls_certificate.clear();
     config.tls_key.clear();
     EXPECT_THROW(server::check_config(config), Error);
+    EXPECT_THROW(server::run_server(config), Error);  // serves nothing either
     EXPECT_EQ(
         TestServer(config).request("GET", "/healthz/live", "").header("strict-transport-security"),
         "");

@@ -104,10 +104,26 @@ TEST_F(DiveStoreTest, IntakeTellsWhatIsInTheDive) {
 TEST_F(DiveStoreTest, ARecordingThatIsNotWhatItsClientAnnouncedIsRefused) {
     const Dive dive = create_dive("wreck").dive;
 
-    finish_intake(dive, {.content_sha256 = sha256_hex("something else")});
+    finish_intake(dive, {.content_sha256 = {sha256_hex("something else")}});
 
     EXPECT_EQ(dives_.get(dive.id).state, DiveState::Refused);
     EXPECT_EQ(dives_.findings(dive.id).at(0).code, "content_hash_mismatch");
+}
+
+// The digests are what `sha256sum mav0/a | sha256sum` and `sha256sum .DS_Store mav0/a | sha256sum`
+// print for files with "seen" and "abc".
+TEST_F(DiveStoreTest, ARecordingMayBeAnnouncedByItsHashOfEarlierVersions) {
+    const ContentHash hash{
+        .sha256 = "2bdb05d3968c2c2844cf36dfaadc22cbd6d1d31165dd7fc86e937ffee61dd58f",
+        .with_desktop_files = "10a6d48fa887e10bf52b76bb556a70010548b7d4300d106fd097082f6789494b"};
+    NewDive announced = request(finished_upload(), "wreck");
+    announced.content_sha256 = hash.with_desktop_files;
+    const Dive dive = dives_.create(announced).dive;
+
+    finish_intake(dive, {.content_sha256 = hash});
+
+    EXPECT_EQ(dives_.get(dive.id).state, DiveState::Ready);
+    EXPECT_EQ(dives_.get(dive.id).content_sha256, hash.sha256);
 }
 
 TEST_F(DiveStoreTest, ARecordingThatTurnsOutToBeHereAlreadyIsRefusedAndNamed) {
@@ -118,7 +134,7 @@ TEST_F(DiveStoreTest, ARecordingThatTurnsOutToBeHereAlreadyIsRefusedAndNamed) {
     const Dive second = dives_.create(unstated).dive;
     ASSERT_NE(second.id, first.id);
 
-    finish_intake(second, {.content_sha256 = first.content_sha256});
+    finish_intake(second, {.content_sha256 = {first.content_sha256}});
 
     EXPECT_EQ(dives_.get(second.id).state, DiveState::Refused);
     EXPECT_THAT(dives_.findings(second.id).at(0).message, testing::HasSubstr(first.id));

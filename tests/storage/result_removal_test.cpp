@@ -115,6 +115,27 @@ TEST_F(ResultRemovalTest, AReportMakesAnewWhatWasDeleted) {
     EXPECT_EQ(made.state, JobState::Held);
 }
 
+TEST_F(ResultRemovalTest, AReportOrComparisonOfADeletedResultIsRefusedAtOnce) {
+    const Dive dive = ready_dive();
+    const Job deleted = result_of(dive);
+    const Job kept = result_of(dive);
+    const NewJob report{.dive_id = dive.id,
+                        .kind = JobKind::AccuracyReport,
+                        .preset = "standard",
+                        .options = {{"job", deleted.id}}};
+    const NewJob comparison{.dive_id = dive.id,
+                            .kind = JobKind::Compare,
+                            .preset = "standard",
+                            .options = {{"job", kept.id}, {"with", deleted.id}}};
+    removal_.remove(deleted.id, kDay);
+
+    EXPECT_TRUE(throws_code(ErrorCode::Gone, [&] { jobs_.enqueue(report); }));
+    EXPECT_TRUE(throws_code(ErrorCode::Gone, [&] { jobs_.enqueue(comparison); }));
+    removal_.restore(deleted.id);
+    EXPECT_EQ(jobs_.enqueue(report).job.options["job"], deleted.id);
+    EXPECT_EQ(jobs_.enqueue(comparison).job.options["with"], deleted.id);
+}
+
 TEST_F(ResultRemovalTest, KeepsTheNewestResultsOfADive) {
     QueueStore queues(catalog_);
     const Dive wreck = ready_dive("wreck");

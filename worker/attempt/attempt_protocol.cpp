@@ -34,7 +34,8 @@ json message_body(const IntakeAnswer& answer) {
               {"site", answer.site},
               {"rig", answer.rig},
               {"tags", answer.tags},
-              {"content_sha256", answer.content_sha256},
+              {"content_sha256", answer.content_sha256.sha256},
+              {"with_desktop_files", answer.content_sha256.with_desktop_files},
               {"num_frames", answer.num_frames},
               {"duration_s", answer.duration_s},
               {"has_thumbnail", answer.has_thumbnail}}}};
@@ -47,7 +48,8 @@ IntakeAnswer intake_from_json(const json& body) {
     body.at("site").get_to(answer.site);
     body.at("rig").get_to(answer.rig);
     body.at("tags").get_to(answer.tags);
-    body.at("content_sha256").get_to(answer.content_sha256);
+    body.at("content_sha256").get_to(answer.content_sha256.sha256);
+    body.at("with_desktop_files").get_to(answer.content_sha256.with_desktop_files);
     body.at("num_frames").get_to(answer.num_frames);
     body.at("duration_s").get_to(answer.duration_s);
     body.at("has_thumbnail").get_to(answer.has_thumbnail);

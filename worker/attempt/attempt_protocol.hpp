@@ -8,6 +8,7 @@
 #include <variant>
 #include <vector>
 
+#include "schemas/content_hash.hpp"
 #include "schemas/finding.hpp"
 #include "schemas/job.hpp"
 #include "schemas/measurement.hpp"
@@ -44,7 +45,7 @@ struct IntakeAnswer {
     std::string site;
     std::string rig;
     std::vector<std::string> tags;
-    std::string content_sha256;
+    ContentHash content_sha256;
     std::int64_t num_frames = 0;
     double duration_s = 0.0;
     bool has_thumbnail = false;

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "schemas/content_hash.hpp"
 #include "schemas/finding.hpp"
 #include "schemas/links.hpp"
 #include "worker/base/observer.hpp"
@@ -79,6 +80,7 @@ public:
     virtual const DiveInfo& info() const = 0;
     virtual const std::vector<Finding>& findings() const = 0;  // grows as frames are read
     virtual const std::string& content_sha256() const = 0;     // of the sorted (path, sha256) list
+    virtual const ContentHash& content_hash() const = 0;       // with those of earlier versions
     virtual double duration_s() const = 0;
 
     // Returns T_world_imu of the ground truth's own world; empty without ground truth.

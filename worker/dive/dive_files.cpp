@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "schemas/content_hash.hpp"
 #include "schemas/desktop_files.hpp"
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/refusal.hpp"
@@ -51,9 +50,9 @@ DiveFiles::DiveFiles(std::unique_ptr<DiveSource> source) : source_(std::move(sou
             other_dives_.push_back(std::move(*folder));
     std::sort(other_dives_.begin(), other_dives_.end());
     for (const SourceFile& file : source_->files()) {
-        if (is_left_by_desktop(file.path)) continue;
+        auto& entries = is_left_by_desktop(file.path) ? left_by_desktop_ : entries_;
         if (auto path = path_in_dive(*root, file.path))
-            entries_.push_back({std::move(*path), &file});
+            entries.push_back({std::move(*path), &file});
     }
     std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
         return a.path < b.path;
@@ -106,13 +105,15 @@ std::vector<std::string> DiveFiles::names_in(std::string_view folder) const {
     return names;
 }
 
-std::string DiveFiles::content_sha256(const base::ProgressCallback& progress) const {
+ContentHash DiveFiles::content_hash(const base::ProgressCallback& progress) const {
+    std::vector<Entry> entries = entries_;
+    entries.insert(entries.end(), left_by_desktop_.begin(), left_by_desktop_.end());
     std::int64_t total_bytes = 1;
-    for (const Entry& entry : entries_) total_bytes += entry.file->size_bytes;
+    for (const Entry& entry : entries) total_bytes += entry.file->size_bytes;
     std::int64_t done_bytes = 0;
     std::vector<HashedFile> hashed;
-    hashed.reserve(entries_.size());
-    for (const Entry& entry : entries_) {
+    hashed.reserve(entries.size());
+    for (const Entry& entry : entries) {
         std::string sha256 = entry.file->sha256;
         if (sha256.empty()) {
             Sha256 hash;
@@ -127,7 +128,7 @@ std::string DiveFiles::content_sha256(const base::ProgressCallback& progress) co
         }
         hashed.push_back({entry.path, std::move(sha256)});
     }
-    return divemesh::content_sha256(std::move(hashed));
+    return divemesh::content_hash(hashed);
 }
 
 }  // namespace divemesh::dive

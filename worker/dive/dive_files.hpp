@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "schemas/content_hash.hpp"
 #include "worker/dive/dive_source.hpp"
 
 namespace divemesh::dive {
@@ -27,9 +28,8 @@ public:
     std::vector<std::string> names_in(std::string_view folder) const;
     // Returns the folders beside or below the dive that hold another one, sorted.
     const std::vector<std::string>& other_dives() const { return other_dives_; }
-    // Returns the content hash (see schemas/content_hash.hpp). Reads every file that is not hashed
-    // yet.
-    std::string content_sha256(const base::ProgressCallback& progress) const;
+    // Returns the hashes of the dive. Reads every file that is not hashed yet.
+    ContentHash content_hash(const base::ProgressCallback& progress) const;
 
 private:
     struct Entry {
@@ -39,7 +39,8 @@ private:
     const SourceFile* find(std::string_view path) const;
 
     std::unique_ptr<DiveSource> source_;
-    std::vector<Entry> entries_;  // sorted by path
+    std::vector<Entry> entries_;          // sorted by path
+    std::vector<Entry> left_by_desktop_;  // no part of the dive
     std::vector<std::string> other_dives_;
 };
 

@@ -45,7 +45,7 @@ void examine(StoredDive& dive,
     report.num_frames = dive.num_frames();
     report.duration_s = dive.duration_s();
     dive.hash_contents(part(progress, 0.3, 0.1));
-    report.content_sha256 = dive.content_sha256();
+    report.content_sha256 = dive.content_hash();
     report_images(dive, report, part(progress, 0.4, 0.55));
     report.findings = dive.findings();
     if (!check || has_error(report.findings)) return;

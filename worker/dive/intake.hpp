@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "schemas/content_hash.hpp"
 #include "schemas/finding.hpp"
 #include "schemas/links.hpp"
 #include "worker/base/observer.hpp"
@@ -23,7 +24,7 @@ struct IntakeReport {
     std::string site;
     std::string rig;
     std::vector<std::string> tags;
-    std::string content_sha256;
+    ContentHash content_sha256;
     std::int64_t num_frames = 0;
     double duration_s = 0.0;
     std::string thumbnail_jpeg;  // bytes; "" if no image decodes

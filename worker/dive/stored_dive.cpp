@@ -241,13 +241,13 @@ void StoredDive::report_skipped(const LoadedPair& pair) {
         remedy_for(loaded.code));
 }
 
-const std::string& StoredDive::content_sha256() const {
+const ContentHash& StoredDive::content_hash() const {
     hash_contents(base::ignore_progress);
-    return content_sha256_;
+    return content_hash_;
 }
 
 void StoredDive::hash_contents(const base::ProgressCallback& progress) const {
-    if (content_sha256_.empty()) content_sha256_ = files_.content_sha256(throttled(progress));
+    if (content_hash_.sha256.empty()) content_hash_ = files_.content_hash(throttled(progress));
 }
 
 double StoredDive::duration_s() const {

@@ -39,7 +39,8 @@ public:
 
     const DiveInfo& info() const override { return contents_.info; }
     const std::vector<Finding>& findings() const override { return findings_.all(); }
-    const std::string& content_sha256() const override;
+    const std::string& content_sha256() const override { return content_hash().sha256; }
+    const ContentHash& content_hash() const override;
     double duration_s() const override;
     const types::Trajectory& ground_truth() const override { return contents_.ground_truth; }
     const types::OutsidePositions& outside() const override { return contents_.outside; }
@@ -74,7 +75,7 @@ private:
     cv::Mat previous_right_;
     std::set<int> skipped_;
     bool has_reported_16_bit_ = false;
-    mutable std::string content_sha256_;  // computed on first use
+    mutable ContentHash content_hash_;  // computed on first use
 };
 
 }  // namespace divemesh::dive

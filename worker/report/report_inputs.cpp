@@ -70,7 +70,7 @@ std::unique_ptr<dive::Dive> open_dive(const AccuracyReportRequest& request,
                                  request.links);
     const std::string expected =
         reconstruction.metrics().value(json::json_pointer("/dive/content_sha256"), std::string());
-    if (!expected.empty() && dive->content_sha256() != expected)
+    if (!expected.empty() && !dive->content_hash().matches(expected))
         throw Error(ErrorCode::BadData,
                     request.dive->filename().string() +
                         " is not the dive that was reconstructed: its hash is " +

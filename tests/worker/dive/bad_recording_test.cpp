@@ -58,7 +58,7 @@ TEST_F(BadRecordingTest, AGoodDiveHasNoErrorAndSaysWhatItIs) {
     EXPECT_EQ(good.name, "Tiny");
     EXPECT_EQ(good.num_frames, TinyDive::kNumFrames);
     EXPECT_NEAR(good.duration_s, 0.4, 1e-9);
-    EXPECT_EQ(good.content_sha256.size(), 64U);
+    EXPECT_EQ(good.content_sha256.sha256.size(), 64U);
     EXPECT_TRUE(good.thumbnail_jpeg.starts_with("\xff\xd8\xff"));
 }
 

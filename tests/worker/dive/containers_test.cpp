@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <gmock/gmock.h>
 #include <opencv2/core.hpp>
 
@@ -100,6 +101,21 @@ TEST(FolderTest, Mav0ItselfMayBeTheRoot) {
 
     EXPECT_EQ(mav0->num_frames(), TinyDive::kNumFrames);
     EXPECT_EQ(mav0->content_sha256(), whole->content_sha256());
+}
+
+// The digests are what `sha256sum mav0/a | sha256sum` and `sha256sum .DS_Store mav0/a | sha256sum`
+// print.
+TEST(FolderTest, IsKnownByItsHashesWithAndWithoutWhatDesktopsLeave) {
+    const TemporaryFolder folder;
+    std::filesystem::create_directories(folder / "dive/mav0");
+    std::ofstream(folder / "dive/mav0/a") << "abc";
+    std::ofstream(folder / "dive/.DS_Store") << "seen";
+
+    const ContentHash hash = Dive::open(folder / "dive", folder / "scratch")->content_hash();
+
+    EXPECT_EQ(hash.sha256, "2bdb05d3968c2c2844cf36dfaadc22cbd6d1d31165dd7fc86e937ffee61dd58f");
+    EXPECT_EQ(hash.with_desktop_files,
+              "10a6d48fa887e10bf52b76bb556a70010548b7d4300d106fd097082f6789494b");
 }
 
 TEST(FolderTest, ALinkOutOfTheDiveIsNotFollowed) {
