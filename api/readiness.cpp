@@ -52,7 +52,7 @@ Readiness::Result Readiness::check(const Services& services) {
         });
     if (result.failure.empty())
         result.failure = failure_of("disk", [&] {
-            result.free_bytes = free_bytes(services, min_free_bytes);
+            result.free_bytes = reachable_bytes(services, min_free_bytes);
             if (result.free_bytes < min_free_bytes)
                 throw Error(ErrorCode::OutOfSpace,
                             std::to_string(result.free_bytes >> 20) +
