@@ -37,7 +37,6 @@ constexpr Row kRows[] = {
     {"alignment_not_converged",     "scale"},
     {"calibration_medium",          "scale"},
     {"water_not_stated",            "scale"},
-    {"port_not_described",          "scale"},
     {"scale_untested",              "scale"},
     {"scale_uncertain",             "scale"},
     {"stereo_unmatched",            "accuracy"},

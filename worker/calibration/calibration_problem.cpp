@@ -12,7 +12,6 @@
 #include "worker/base/seconds.hpp"
 #include "worker/calibration/undo_rolling_shutter.hpp"
 #include "worker/camera/rerectifier.hpp"
-#include "worker/camera/undescribed_port.hpp"
 #include "worker/imu/imu_steps.hpp"
 #include "worker/optimisation/ceres_outcome.hpp"
 #include "worker/optimisation/reduced_information.hpp"
@@ -32,13 +31,11 @@ constexpr double kHuber = 1.5;  // sigmas of independent errors
 // Change from round to round below which the linearisation is good enough.
 constexpr double kConverged_s = 5e-4;
 constexpr double kConverged_px = 0.5;
-constexpr double kConverged_m = 1e-3;
 constexpr double kMinWalk = 1e-6;   // rad/s
 constexpr double kBiasSigma = 0.1;  // rad/s
 constexpr double kOffsetSigma_s = 0.03;
 constexpr double kRotationSigma_rad = 0.035;
 constexpr double kReadoutSigma_s = 0.03;  // a frame takes 33 ms at the usual rate
-constexpr double kPortSigma_m = 0.05;     // housings have 5 to 60 mm
 // The prior of a step between keyframes. It is so wide that it has no effect where anything else
 // constrains the step.
 constexpr double kStepSigma_m = 10.0;
@@ -175,11 +172,9 @@ CalibrationProblem::Round CalibrationProblem::round(const FreeUnknowns& free,
     ceres::Solver::Summary summary;
     ceres::Solve(solver, &problem, &summary);
     callback.rethrow();
-    const bool still =
-        std::abs(unknowns_.time_offset_s - before.time_offset_s) < kConverged_s &&
-        std::abs(unknowns_.readout_time_s - before.readout_time_s) < kConverged_s &&
-        std::abs(unknowns_.port_distance_m - before.port_distance_m) < kConverged_m &&
-        shift_px(unknowns_.lenses - before.lenses) < kConverged_px;
+    const bool still = std::abs(unknowns_.time_offset_s - before.time_offset_s) < kConverged_s &&
+                       std::abs(unknowns_.readout_time_s - before.readout_time_s) < kConverged_s &&
+                       shift_px(unknowns_.lenses - before.lenses) < kConverged_px;
     types::SolverOutcome outcome = optimisation::outcome_of(summary);
     if ((still || last) && !outcome.failed() && !find_sigmas(problem, free)) {
         outcome.termination = types::SolverOutcome::Termination::Failed;
@@ -225,8 +220,6 @@ void CalibrationProblem::add_observations(ceres::Problem& problem,
             residual.stereo = {track_.rig, moved + residual.shift_px * unknowns_.lenses, sigma_px};
             if (moved.z() <= 0.0) residual.stereo.measured_px.z() = 0.0;
             residual.by_readout_px_s = shift_by_readout_px_s(landmark, seen);
-            if (free.port_distance)
-                residual.by_port_px_m = shift_by_port_px_m(lenses, landmark, seen);
             State& state = states_[static_cast<std::size_t>(seen.keyframe)];
             problem.AddResidualBlock(LensReprojection::create(residual),
                                      free.any() ? &lens_loss_ : &loss_,
@@ -234,8 +227,7 @@ void CalibrationProblem::add_observations(ceres::Problem& problem,
                                      state.p_world_body.data(),
                                      landmark.p_world.data(),
                                      unknowns_.lenses.data(),
-                                     &unknowns_.readout_time_s,
-                                     &unknowns_.port_distance_m);
+                                     &unknowns_.readout_time_s);
         }
         ordering.AddElementToGroup(landmark.p_world.data(), 0);
     }
@@ -304,8 +296,6 @@ void CalibrationProblem::add_priors(ceres::Problem& problem, const FreeUnknowns&
     if (!free.lenses) problem.SetParameterBlockConstant(unknowns_.lenses.data());
     add(&unknowns_.readout_time_s, Eigen::VectorXd::Constant(1, kReadoutSigma_s));
     if (!free.readout_time) problem.SetParameterBlockConstant(&unknowns_.readout_time_s);
-    add(&unknowns_.port_distance_m, Eigen::VectorXd::Constant(1, kPortSigma_m));
-    if (!free.port_distance) problem.SetParameterBlockConstant(&unknowns_.port_distance_m);
     if (!problem.HasParameterBlock(&unknowns_.time_offset_s)) return;
     add_around(Eigen::VectorXd::Constant(1, track_.imu_alignment.time_offset_s),
                Eigen::VectorXd::Constant(1, kOffsetSigma_s),
@@ -323,7 +313,6 @@ void CalibrationProblem::add_priors(ceres::Problem& problem, const FreeUnknowns&
 std::vector<double*> CalibrationProblem::kept_blocks() {
     std::vector<double*> blocks = {unknowns_.lenses.data(),
                                    &unknowns_.readout_time_s,
-                                   &unknowns_.port_distance_m,
                                    unknowns_.misalignment.data(),
                                    &unknowns_.time_offset_s,
                                    unknowns_.rate_error.data()};
@@ -355,7 +344,6 @@ bool CalibrationProblem::find_sigmas(ceres::Problem& problem, const FreeUnknowns
     sigmas_.time_offset_s = std::sqrt(covariance(&unknowns_.time_offset_s, 1)(0, 0));
     sigmas_.rate_error = covariance(unknowns_.rate_error.data(), 3);
     sigmas_.readout_time_s = std::sqrt(covariance(&unknowns_.readout_time_s, 1)(0, 0));
-    sigmas_.port_distance_m = std::sqrt(covariance(&unknowns_.port_distance_m, 1)(0, 0));
     return true;
 }
 
@@ -383,10 +371,6 @@ double CalibrationProblem::moved_sigmas(const CalibrationUnknowns& before) const
         sigmas = std::max(
             sigmas,
             std::abs(unknowns_.readout_time_s - before.readout_time_s) / sigmas_.readout_time_s);
-    if (sigmas_.port_distance_m > 0.0)
-        sigmas = std::max(
-            sigmas,
-            std::abs(unknowns_.port_distance_m - before.port_distance_m) / sigmas_.port_distance_m);
     return sigmas;
 }
 
@@ -401,29 +385,6 @@ Eigen::Vector3d CalibrationProblem::shift_by_readout_px_s(
         *motions_[keyframe], {seen.u_px, seen.v_px}, track_.rig.T_imu_cam.inverse() * p_body);
 }
 
-double CalibrationProblem::depth_m(const types::Landmark& landmark,
-                                   const types::LandmarkObservation& seen) const {
-    if (seen.disparity_px > 0.0F) return track_.rig.depth_m(seen.disparity_px);
-    const State& state = states_[static_cast<std::size_t>(seen.keyframe)];
-    const Eigen::Vector3d p_body =
-        state.q_world_body.conjugate() * (landmark.p_world - state.p_world_body);
-    return (track_.rig.T_imu_cam.inverse() * p_body).z();
-}
-
-Eigen::Vector3d CalibrationProblem::shift_by_port_px_m(
-    const std::array<camera::RectifiedLens, 2>& lenses,
-    const types::Landmark& landmark,
-    const types::LandmarkObservation& seen) const {
-    const double depth_m = this->depth_m(landmark, seen);
-    if (depth_m < types::RectifiedRig::kMinDepth_m) return Eigen::Vector3d::Zero();
-    const Eigen::Vector2d left =
-        camera::shift_of_port(track_.rig, lenses[0], {seen.u_px, seen.v_px}, depth_m);
-    if (seen.disparity_px <= 0.0F) return {left.x(), left.y(), 0.0};
-    const Eigen::Vector2d right = camera::shift_of_port(
-        track_.rig, lenses[1], {seen.u_px - seen.disparity_px, seen.v_px}, depth_m);
-    return {left.x(), left.y(), left.x() - right.x()};
-}
-
 bool CalibrationProblem::knows_motion() const {
     return std::ranges::any_of(motions_, [](const auto& motion) { return motion.has_value(); });
 }
@@ -434,20 +395,6 @@ double CalibrationProblem::shift_by_readout_px(double readout_time_s) const {
     for (const types::Landmark& landmark : landmarks_) {
         for (const types::LandmarkObservation& seen : landmark.observations) {
             squares_px2 += (readout_time_s * shift_by_readout_px_s(landmark, seen)).squaredNorm();
-            num += 1.0;
-        }
-    }
-    return num > 0.0 ? std::sqrt(squares_px2 / num) : 0.0;
-}
-
-double CalibrationProblem::shift_by_port_px(double port_distance_m) const {
-    const auto lenses = this->lenses();
-    double squares_px2 = 0.0;
-    double num = 0.0;
-    for (const types::Landmark& landmark : landmarks_) {
-        for (const types::LandmarkObservation& seen : landmark.observations) {
-            squares_px2 +=
-                (port_distance_m * shift_by_port_px_m(lenses, landmark, seen)).squaredNorm();
             num += 1.0;
         }
     }

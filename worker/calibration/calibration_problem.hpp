@@ -26,8 +26,7 @@ struct CalibrationUnknowns {
     double time_offset_s = 0.0;
     Eigen::Vector3d rate_error = Eigen::Vector3d::Zero();  // as types::ImuAlignment
     LensChanges lenses = LensChanges::Zero();              // left, right
-    double readout_time_s = 0.0;   // of a rolling shutter; see camera::RollingShutter
-    double port_distance_m = 0.0;  // of glass that is not described; see camera::shift_of_port()
+    double readout_time_s = 0.0;  // of a rolling shutter; see camera::RollingShutter
 };
 
 // The uncertainty of the unknowns after the last round.
@@ -37,7 +36,6 @@ struct CalibrationSigmas {
     Eigen::Matrix3d rate_error = Eigen::Matrix3d::Zero();  // covariance; zero where it was held
     LensCovariance lenses = LensCovariance::Zero();
     double readout_time_s = 0.0;
-    double port_distance_m = 0.0;
 };
 
 // Which unknowns of the cameras are free; those of the IMU always are, except the error of its
@@ -45,9 +43,8 @@ struct CalibrationSigmas {
 struct FreeUnknowns {
     bool lenses = false;
     bool readout_time = false;
-    bool port_distance = false;
 
-    bool any() const { return lenses || readout_time || port_distance; }
+    bool any() const { return lenses || readout_time; }
 };
 
 // Returns the changes of the left and of the right camera.
@@ -84,8 +81,6 @@ public:
     double shift_px(const LensChanges& changes) const;
     // Returns how far a readout time moves the observations, RMS, px.
     double shift_by_readout_px(double readout_time_s) const;
-    // Returns how far glass at this distance moves the observations, RMS, px.
-    double shift_by_port_px(double port_distance_m) const;
 
 private:
     struct State {
@@ -113,18 +108,12 @@ private:
     // Returns false if the information matrix cannot be factorised.
     bool find_sigmas(ceres::Problem& problem, const FreeUnknowns& free);
     // Returns how far the unknowns moved, RMS of their sigmas; the largest of IMU rotation, time
-    // offset, lenses, readout time and port distance.
+    // offset, lenses and readout time.
     double moved_sigmas(const CalibrationUnknowns& before) const;
     LensReprojection::Shift shift_of(const std::array<camera::RectifiedLens, 2>& lenses,
                                      const Eigen::Vector3d& measured_px) const;
     Eigen::Vector3d shift_by_readout_px_s(const types::Landmark& landmark,
                                           const types::LandmarkObservation& seen) const;
-    // Returns the depth of an observation, by its disparity if it has one; <= 0 behind the camera.
-    double depth_m(const types::Landmark& landmark, const types::LandmarkObservation& seen) const;
-    // Returns d(u, v, disparity)/d(port distance), px/m, of an observation.
-    Eigen::Vector3d shift_by_port_px_m(const std::array<camera::RectifiedLens, 2>& lenses,
-                                       const types::Landmark& landmark,
-                                       const types::LandmarkObservation& seen) const;
     std::array<camera::RectifiedLens, 2> lenses() const;
     // All but the landmarks; the calibration unknowns come first.
     std::vector<double*> kept_blocks();

@@ -9,7 +9,6 @@
 #include "worker/calibration/calibration_problem.hpp"
 #include "worker/calibration/undo_rolling_shutter.hpp"
 #include "worker/camera/rerectifier.hpp"
-#include "worker/camera/virtual_camera.hpp"
 
 namespace divemesh::calibration {
 namespace {
@@ -26,7 +25,6 @@ constexpr double kMinReadout_s = 3e-3;
 // A quarter of the landmarks tells whether a readout time deserves a solve with all of them.
 constexpr std::size_t kReadoutStride = 4;
 constexpr double kMayBeSignificant = 2.0;  // sigmas, of a quarter of the landmarks
-constexpr double kMinPort_m = 5e-3;
 
 bool significant(const Eigen::VectorXd& value, const Eigen::MatrixXd& covariance) {
     return value.dot(covariance.ldlt().solve(value)) >
@@ -98,31 +96,6 @@ bool refine_readout_time(CalibrationProblem& problem,
     return result.readout_time_applied;
 }
 
-void take_port(const CalibrationProblem& problem, types::RefinedCalibration& result) {
-    result.port_distance_m = problem.unknowns().port_distance_m;
-    result.port_distance_sigma_m = problem.sigmas().port_distance_m;
-    result.port_shift_px = problem.shift_by_port_px(result.port_distance_m);
-}
-
-bool shows_port(const types::RefinedCalibration& found, double sigmas) {
-    return found.port_distance_m > std::max(kMinPort_m, sigmas * found.port_distance_sigma_m);
-}
-
-// Estimates the distance of glass that the calibration does not describe, with the lenses free.
-// Nothing else of these solves is used.
-void look_for_port(CalibrationProblem& problem,
-                   types::RefinedCalibration& result,
-                   const base::ProgressCallback& progress,
-                   const Progress& at) {
-    for (const std::size_t stride : {kReadoutStride, std::size_t{1}}) {
-        problem.thin(stride);
-        if (problem.solve({.lenses = true, .port_distance = true}, progress, at).failed()) return;
-        take_port(problem, result);
-        if (!shows_port(result, kMayBeSignificant)) return;
-    }
-    result.port_found = shows_port(result, kSignificant);
-}
-
 // Moves the observations to where they would be if the pairs had been rectified with the changed
 // lenses.
 void apply_lenses(const types::Rig& rig,
@@ -142,44 +115,6 @@ void apply_lenses(const types::Rig& rig,
     }
 }
 
-// Estimates IMU, lenses and shutter.
-void refine(CalibrationProblem& problem,
-            bool align,
-            bool refine_lenses,
-            CalibrationRefinement& refinement,
-            const base::ProgressCallback& progress,
-            const Progress& at) {
-    types::RefinedCalibration& result = refinement.calibration;
-    const auto solved = [&](const FreeUnknowns& free) {
-        refinement.solves.push_back(problem.solve(free, progress, at));
-        return !refinement.solves.back().failed();
-    };
-    const auto use_imu = [&] {
-        take_imu(problem, result);
-        problem.hold_rate_error(result.applied_alignment().rate_error);
-    };
-    if (align) {
-        if (!solved({})) return;
-        use_imu();
-    }
-    if (!refine_lenses || !solved({.lenses = true})) return;
-    take_lenses(problem, result);
-    refinement.lens_covariance = problem.sigmas().lenses;
-    if (result.lenses_applied && align) {
-        problem.hold_lenses(joined(result.lenses));
-        if (solved({})) use_imu();
-    }
-    if (!problem.knows_motion()) return;
-    if (!refine_readout_time(problem, result, refinement.solves, progress, at)) return;
-    take_lenses(problem, result);
-    refinement.lens_covariance = problem.sigmas().lenses;
-    if (!result.lenses_applied) {
-        problem.hold_lenses(LensChanges::Zero());
-        if (solved({.readout_time = true})) take_readout_time(problem, result);
-    }
-    if (align && solved({})) use_imu();
-}
-
 }  // namespace
 
 CalibrationRefinement refine_calibration(const types::Track& track,
@@ -194,14 +129,35 @@ CalibrationRefinement refine_calibration(const types::Track& track,
     if (track.keyframes.size() < kMinCalibrationKeyframes || track.landmarks.empty())
         return refinement;
     CalibrationProblem problem(track, recording, inertial);
-    refine(problem,
-           options.align_imu && inertial.has_gyroscope(),
-           options.refine_lenses,
-           refinement,
-           progress,
-           at);
-    if (result.is_known() && !result.readout_time_applied && !camera::has_port(recording.rig()))
-        look_for_port(problem, result, progress, at);
+    const auto solved = [&](const FreeUnknowns& free) {
+        refinement.solves.push_back(problem.solve(free, progress, at));
+        return !refinement.solves.back().failed();
+    };
+    const auto use_imu = [&] {
+        take_imu(problem, result);
+        problem.hold_rate_error(result.applied_alignment().rate_error);
+    };
+    const bool align = options.align_imu && inertial.has_gyroscope();
+    if (align) {
+        if (!solved({})) return refinement;
+        use_imu();
+    }
+    if (!options.refine_lenses || !solved({.lenses = true})) return refinement;
+    take_lenses(problem, result);
+    refinement.lens_covariance = problem.sigmas().lenses;
+    if (result.lenses_applied && align) {
+        problem.hold_lenses(joined(result.lenses));
+        if (solved({})) use_imu();
+    }
+    if (!problem.knows_motion()) return refinement;
+    if (!refine_readout_time(problem, result, refinement.solves, progress, at)) return refinement;
+    take_lenses(problem, result);
+    refinement.lens_covariance = problem.sigmas().lenses;
+    if (!result.lenses_applied) {
+        problem.hold_lenses(LensChanges::Zero());
+        if (solved({.readout_time = true})) take_readout_time(problem, result);
+    }
+    if (align && solved({})) use_imu();
     return refinement;
 }
 

@@ -1,7 +1,6 @@
 #include "worker/calibration/calibration_uncertainty.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -9,7 +8,6 @@
 #include "worker/base/rotation_vector.hpp"
 #include "worker/calibration/calibration_priors.hpp"
 #include "worker/camera/rectified_lens.hpp"
-#include "worker/camera/undescribed_port.hpp"
 
 namespace divemesh::calibration {
 namespace {
@@ -19,9 +17,7 @@ constexpr int kStereo = kLenses + LensReprojection::kNumChanges;  // pitch, yaw,
 constexpr int kBaseline = kStereo + 3;
 constexpr int kImu = kBaseline + 1;  // rotation about the axes of the IMU
 constexpr int kLeverArm = kImu + 3;
-constexpr int kWithoutPort = kLeverArm + 3;
-constexpr int kPort = kWithoutPort;
-constexpr int kSize = kPort + 1;
+constexpr int kSize = kLeverArm + 3;
 constexpr double kTypicalDisparity_px = 20.0;
 // The typical error of a distortion, as a share of its prior: that is wide enough to find one that
 // is far off.
@@ -68,29 +64,23 @@ private:
 // The derivative of a measurement with respect to the errors of the calibration.
 class CalibrationShifts {
 public:
-    // `with_port`: with glass that is not described, as the last error.
-    CalibrationShifts(const types::Rig& rig, const types::RectifiedRig& rectified, bool with_port)
+    CalibrationShifts(const types::Rig& rig, const types::RectifiedRig& rectified)
         : rig_(rectified),
-          lenses_(camera::rectified_lenses(rig)),
-          left_(rectified, lenses_[0]),
-          right_(rectified, lenses_[1]),
-          with_port_(with_port) {}
-
-    int size() const { return with_port_ ? kSize : kWithoutPort; }
+          left_(rectified, camera::rectified_lenses(rig)[0]),
+          right_(rectified, camera::rectified_lenses(rig)[1]) {}
 
     Eigen::Matrix3Xd of(const Eigen::Vector3d& measured_px) const {
         Shift shift = Shift::Zero();
         constexpr int kLens = types::LensChange::kSize;
         shift.block<2, kLens>(0, kLenses) = left_.at(measured_px.x(), measured_px.y());
-        if (measured_px.z() <= 0.0) return shift.leftCols(size());
+        if (measured_px.z() <= 0.0) return shift;
         const double right_px = measured_px.x() - measured_px.z();
         shift.block<1, kLens>(2, kLenses) = shift.block<1, kLens>(0, kLenses);
         shift.block<1, kLens>(2, kLenses + kLens) = -right_.at(right_px, measured_px.y()).row(0);
         shift.block<1, 3>(2, kStereo) = by_rotation(right_px, measured_px.y());
         shift(2, kBaseline) = measured_px.z();
         shift.block<3, 6>(0, kImu) = by_mounting(measured_px);
-        if (with_port_) shift.col(kPort) = by_port(measured_px);
-        return shift.leftCols(size());
+        return shift;
     }
 
 private:
@@ -116,20 +106,9 @@ private:
         return result;
     }
 
-    Eigen::Vector3d by_port(const Eigen::Vector3d& measured_px) const {
-        const double depth_m = rig_.depth_m(measured_px.z());
-        const Eigen::Vector2d left =
-            camera::shift_of_port(rig_, lenses_[0], measured_px.head<2>(), depth_m);
-        const Eigen::Vector2d right = camera::shift_of_port(
-            rig_, lenses_[1], {measured_px.x() - measured_px.z(), measured_px.y()}, depth_m);
-        return {left.x(), left.y(), left.x() - right.x()};
-    }
-
     types::RectifiedRig rig_;
-    std::array<camera::RectifiedLens, 2> lenses_;
     LensShifts left_;
     LensShifts right_;
-    bool with_port_;
 };
 
 // Returns true if the right camera's pose was estimated and is used as estimated.
@@ -213,12 +192,11 @@ optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& r
                                                              const CalibrationRefinement& refined,
                                                              const types::RigAlignment& alignment) {
     optimisation::CalibrationUncertainty result;
-    const auto shifts =
-        std::make_shared<const CalibrationShifts>(rig, rectified, refined.calibration.port_found);
+    const auto shifts = std::make_shared<const CalibrationShifts>(rig, rectified);
     result.shift_px = [shifts](const Eigen::Vector3d& measured_px) {
         return shifts->of(measured_px);
     };
-    result.covariance = Eigen::MatrixXd::Zero(shifts->size(), shifts->size());
+    result.covariance = Eigen::MatrixXd::Zero(kSize, kSize);
     const Eigen::Vector3d centre_px(rectified.cx_px, rectified.cy_px, kTypicalDisparity_px);
     result.covariance.block<LensReprojection::kNumChanges, LensReprojection::kNumChanges>(
         kLenses, kLenses) = refined.calibration.is_known()
@@ -233,9 +211,6 @@ optimisation::CalibrationUncertainty calibration_uncertainty(const types::Rig& r
                                               std::pow(of_medium(alignment), 2);
     result.covariance.block<3, 3>(kImu, kImu) = of_imu_rotation(rig, refined.calibration);
     result.covariance.block<3, 3>(kLeverArm, kLeverArm) = of_lever_arm(rig, refined.calibration);
-    if (refined.calibration.port_found)
-        result.covariance(kPort, kPort) = std::pow(refined.calibration.port_distance_m, 2) +
-                                          std::pow(refined.calibration.port_distance_sigma_m, 2);
     result.time_offset_sigma_s = of_time_offset(rig, refined.calibration);
     result.rate_error_covariance = of_rate_error(rig, refined.calibration);
     return result;

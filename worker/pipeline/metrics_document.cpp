@@ -93,14 +93,6 @@ void add_readout_time(const types::RefinedCalibration& refined, json& result) {
                                 {"applied", refined.readout_time_applied}};
 }
 
-void add_port(const types::RefinedCalibration& refined, json& result) {
-    if (refined.port_distance_sigma_m <= 0.0) return;
-    result["port_distance_m"] = {{"value", refined.port_distance_m},
-                                 {"sigma", refined.port_distance_sigma_m},
-                                 {"shift_px", refined.port_shift_px},
-                                 {"found", refined.port_found}};
-}
-
 void add_lever_arm(const types::RefinedCalibration& refined, json& result) {
     const Eigen::Vector3d& arm_m = refined.lever_arm_m;
     const Eigen::Vector3d& sigma_m = refined.lever_arm_sigma_m;
@@ -134,7 +126,6 @@ json refined(const MetricsInput& input) {
     json result = json::object();
     add_lenses(input, result);
     add_readout_time(input.refined, result);
-    add_port(input.refined, result);
     add_imu(input, result);
     return result;
 }

@@ -92,7 +92,6 @@ std::vector<Finding> findings(const Reconstruction& made,
     add(bounds_finding(expected, segments.size()));
     add(vertical_finding(vertical_known));
     add(shutter_finding(made.refined()));
-    add(port_finding(made.refined()));
     add(lever_arm_finding(made.refined()));
     if (!made.options().surface) return all;
     ReconstructionOptions fused_with = made.options();

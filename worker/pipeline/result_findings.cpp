@@ -137,23 +137,6 @@ std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibrat
                    "swim slowly and steadily, or record with cameras that have a global shutter"};
 }
 
-std::optional<Finding> port_finding(const types::RefinedCalibration& calibration) {
-    if (!calibration.port_found) return std::nullopt;
-    return Finding{
-        Severity::Warning,
-        "port_not_described",
-        "mav0/cam0/sensor.yaml",
-        "what is near and what is far lie apart towards the border of the images as behind flat "
-        "glass " +
-            base::fixed(1e3 * calibration.port_distance_m, 0) + " +- " +
-            base::fixed(1e3 * calibration.port_distance_sigma_m, 0) + " mm before the lenses (" +
-            base::fixed(calibration.port_shift_px, 1) +
-            " px, root mean square), which the calibration does not describe: it holds at the "
-            "range at which it was made, and lengths depend on the range",
-        "calibrate the cameras in air and describe the port of each in its sensor.yaml, or "
-        "calibrate in water at the range of the survey"};
-}
-
 std::optional<Finding> left_out_finding(const fusion::FusedPixels& pixels,
                                         double max_depth_m,
                                         const VoxelSizes& voxels,

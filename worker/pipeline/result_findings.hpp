@@ -35,9 +35,6 @@ std::optional<Finding> vertical_finding(bool vertical_known);
 // Returns a warning if a rolling shutter bends the images.
 std::optional<Finding> shutter_finding(const types::RefinedCalibration& calibration);
 
-// Returns a warning if the images show flat glass that the calibration does not describe.
-std::optional<Finding> port_finding(const types::RefinedCalibration& calibration);
-
 // Returns a warning if much of the fused depth makes no surface: more than a quarter lies beyond
 // `max_depth_m` (unless that was limited on purpose), or more than half is too far or too
 // uncertain.

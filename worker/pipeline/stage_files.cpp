@@ -148,10 +148,6 @@ void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {
     file.plain(calibration.readout_time_sigma_s);
     file.plain(calibration.readout_shift_px);
     file.flag(calibration.readout_time_applied);
-    file.plain(calibration.port_distance_m);
-    file.plain(calibration.port_distance_sigma_m);
-    file.plain(calibration.port_shift_px);
-    file.flag(calibration.port_found);
 }
 
 void fields(auto& file, Is<types::RigAlignment> auto& alignment) {

@@ -35,11 +35,6 @@ struct RefinedCalibration {
     double readout_time_sigma_s = 0.0;  // 0: not estimated
     double readout_shift_px = 0.0;      // RMS over the features of the shift by it
     bool readout_time_applied = false;
-    // Flat glass that the calibration does not describe: its distance from the lenses.
-    double port_distance_m = 0.0;
-    double port_distance_sigma_m = 0.0;  // 0: not estimated
-    double port_shift_px = 0.0;          // RMS over the features of the shift by it
-    bool port_found = false;             // it is significant, and the calibration ignores it
 
     double applied_readout_time_s() const { return readout_time_applied ? readout_time_s : 0.0; }
     Eigen::Vector3d applied_lever_arm_m() const {

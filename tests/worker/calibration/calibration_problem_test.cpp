@@ -8,7 +8,6 @@
 #include "tests/synthetic/sensor_recording.hpp"
 #include "tests/synthetic/tracked_dive.hpp"
 #include "worker/calibration/calibration_refinement.hpp"
-#include "worker/camera/refraction.hpp"
 
 namespace divemesh::calibration {
 namespace {
@@ -114,44 +113,6 @@ TEST_F(CalibrationProblemTest, AnEstimateThatThereIsNoDelayReplacesWhatTrackingF
     const types::RefinedCalibration found =
         refined(make_options("standard", nlohmann::json::object())).calibration;
     EXPECT_NEAR(found.applied_alignment().time_offset_s, 0.0, 0.002);
-}
-
-// Returns the pixel at which a camera that was calibrated in water, at a long range, shows a point
-// through flat glass.
-Eigen::Vector2d behind_glass_px(const types::RectifiedRig& rig,
-                                const types::Port& port,
-                                const Eigen::Vector3d& p_cam) {
-    return rig.pixel(camera::ray_in_water(port, *camera::direction_to(port, p_cam))->direction);
-}
-
-// By Snell's law, with the origin where rays near the axis meet.
-TEST_F(CalibrationProblemTest, FindsGlassThatTheCalibrationDoesNotDescribe) {
-    types::Port port{.distance_m = 0.04, .thickness_m = 1e-6, .water_index = 1.337};
-    port.p_lens_cam.z() = port.distance_m * (port.water_index - 1.0);
-    const types::RectifiedRig& rig = track_.rig;
-    for (types::Landmark& landmark : track_.landmarks)
-        for (types::LandmarkObservation& seen : landmark.observations) {
-            const Eigen::Vector3d p_cam =
-                rig.point_cam(seen.u_px, seen.v_px, rig.depth_m(seen.disparity_px));
-            const Eigen::Vector2d left = behind_glass_px(rig, port, p_cam);
-            const Eigen::Vector2d right =
-                behind_glass_px(rig, port, p_cam - Eigen::Vector3d(rig.baseline_m, 0.0, 0.0));
-            seen.u_px = static_cast<float>(left.x());
-            seen.v_px = static_cast<float>(left.y());
-            seen.disparity_px = static_cast<float>(left.x() - right.x());
-        }
-    const types::RefinedCalibration found =
-        refined(make_options("standard", nlohmann::json::object())).calibration;
-    EXPECT_TRUE(found.port_found);
-    EXPECT_NEAR(found.port_distance_m, port.distance_m, 3.0 * found.port_distance_sigma_m);
-    EXPECT_LT(found.port_distance_sigma_m, 0.01);
-}
-
-TEST_F(CalibrationProblemTest, FindsNoGlassWhereThereIsNone) {
-    const types::RefinedCalibration found =
-        refined(make_options("standard", nlohmann::json::object())).calibration;
-    EXPECT_FALSE(found.port_found);
-    EXPECT_NEAR(found.port_distance_m, 0.0, 3.0 * found.port_distance_sigma_m);
 }
 
 // A round starts from the linearisation of the one before, so the first is never the last.

@@ -156,22 +156,5 @@ TEST_F(CalibrationUncertaintyTest, AnErrorOfTheRatesThatIsNotAppliedIsPartOfThei
     EXPECT_TRUE(variances(without_imu).isZero());
 }
 
-TEST_F(CalibrationUncertaintyTest, GlassThatWasFoundIsAnErrorAsLargeAsItsEffect) {
-    CalibrationRefinement refined;
-    refined.calibration.port_distance_m = 0.03;
-    refined.calibration.port_distance_sigma_m = 0.004;
-    const Eigen::Index without =
-        calibration_uncertainty(rig(), rectified_, refined, {}).covariance.rows();
-    refined.calibration.port_found = true;
-    const auto found = calibration_uncertainty(rig(), rectified_, refined, {});
-    EXPECT_EQ(found.covariance.rows(), without + 1);
-    EXPECT_NEAR(found.covariance(without, without), 0.03 * 0.03 + 0.004 * 0.004, 1e-12);
-    EXPECT_EQ(found.shift_px({100.0, 50.0, 30.0}).cols(), without + 1);
-    // On the axis of the left camera its pixel stays.
-    EXPECT_LT(
-        found.shift_px({rectified_.cx_px, rectified_.cy_px, 30.0}).col(without).head<2>().norm(),
-        1e-6);
-}
-
 }  // namespace
 }  // namespace divemesh::calibration

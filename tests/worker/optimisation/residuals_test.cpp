@@ -62,12 +62,9 @@ TEST(LensReprojectionTest, IsTheStereoReprojectionMovedByTheLensesAndHasTrueDeri
     change.setLinSpaced(-0.2, 0.3);
     reprojection.by_readout_px_s = Eigen::Vector3d(40.0, -25.0, 3.0);
     constexpr double kReadout_s = 0.02;
-    reprojection.by_port_px_m = Eigen::Vector3d(-12.0, 30.0, 8.0);
-    constexpr double kPort_m = 0.03;
     reprojection.stereo = {rig,
                            types::project_px(rig, p_cam) + reprojection.shift_px * change +
-                               kReadout_s * reprojection.by_readout_px_s +
-                               kPort_m * reprojection.by_port_px_m,
+                               kReadout_s * reprojection.by_readout_px_s,
                            Eigen::Vector3d(0.3, 0.3, 0.2)};
     const CostFunction cost(calibration::LensReprojection::create(reprojection));
     const Eigen::Vector3d t = T_world_imu.translation();
@@ -76,8 +73,7 @@ TEST(LensReprojectionTest, IsTheStereoReprojectionMovedByTheLensesAndHasTrueDeri
         {t.x(), t.y(), t.z()},
         {p_world.x(), p_world.y(), p_world.z()},
         {change.data(), change.data() + change.size()},
-        {kReadout_s},
-        {kPort_m}};
+        {kReadout_s}};
 
     EXPECT_LT(max_residual(*cost, blocks), 1e-9);
     expect_true_jacobians(*cost, blocks);
