@@ -135,6 +135,13 @@ protected:
              [this] { return ask("POST", new_job() + "/cancel"); }},
             {"POST /api/v1/jobs/{job_id}/retry",
              [this] { return ask("POST", cancelled_job() + "/retry"); }},
+            {"DELETE /api/v1/jobs/{job_id}", [this] { return ask("DELETE", cancelled_job()); }},
+            {"POST /api/v1/jobs/{job_id}/restore",
+             [this] {
+                 const std::string job = cancelled_job();
+                 ask("DELETE", job);
+                 return ask("POST", job + "/restore");
+             }},
             {"PATCH /api/v1/queue",
              [this] { return ask("PATCH", "/api/v1/queue", {{"max_running", 3}}); }},
             {"POST /api/v1/queue/redrive",
@@ -162,7 +169,7 @@ private:
     // All of them before the first job: to make one takes what is queued.
     std::vector<std::string> make_dives() {
         std::vector<std::string> dives;
-        constexpr int kNumDives = 16;  // at least one for each new_dive() of changes()
+        constexpr int kNumDives = 18;  // at least one for each new_dive() of changes()
         for (int i = 0; i < kNumDives; ++i)
             dives.push_back(server.make_dive("default", sha256_hex(std::to_string(i))));
         return dives;

@@ -74,8 +74,8 @@ TEST_F(JobRunnerTest, ADiskThatFillsWhileArtifactsAreWrittenLeavesNoneOfThem) {
     const Job job = make_job("large", 1);
     Process worker = start_worker("600000", "33554432");
 
-    ASSERT_TRUE(fails_without_counting(job)) << worker.stderr_text();
-    EXPECT_EQ(jobs_.attempts(job.id).front().failure.code, ErrorCode::OutOfSpace);
+    ASSERT_TRUE(reaches(job, JobState::Dead)) << worker.stderr_text();
+    EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
     EXPECT_TRUE(jobs_.artifacts(job.id).empty());
     EXPECT_EQ(num_blobs_of_jobs(), 0u);
 }
