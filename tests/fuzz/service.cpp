@@ -123,7 +123,8 @@ std::string Service::converse(std::string_view sent) {
     asio::local::connect_pair(*client, far_end);
     asio::ip::tcp::socket socket(io_);
     socket.assign(asio::ip::tcp::v4(), far_end.release());
-    const auto connection = std::make_shared<server::Connection>(std::move(socket), nullptr);
+    const auto connection =
+        std::make_shared<server::Connection>(std::move(socket), asio::ip::address(), nullptr);
     const server::SessionContext context{services(), events_, {}};
     std::string heard;
     asio::co_spawn(io_, server::run_session(connection, context), asio::detached);
