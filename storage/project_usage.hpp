@@ -11,7 +11,7 @@ namespace divemesh::storage {
 // and those of deleted results, count until they expire.
 struct ProjectUsage {
     std::int64_t num_dives = 0;
-    // Of archives, truth, results, and open uploads with their announced length.
+    // Counts archives, truth, results, and open uploads with their announced length.
     std::int64_t stored_bytes = 0;
 };
 

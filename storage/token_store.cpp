@@ -103,6 +103,15 @@ void check(const NewToken& wanted) {
 
 std::int64_t milliseconds(std::chrono::seconds time) { return time.count() * 1000; }
 
+std::optional<Token> valid_token(soci::session& session,
+                                 const std::string& id,
+                                 std::int64_t now_ms) {
+    return select_one<TokenRow>(session,
+                                "SELECT " TOKEN_COLUMNS " FROM tokens WHERE id = :id AND " IS_VALID,
+                                soci::use(id, "id"),
+                                soci::use(now_ms, "now"));
+}
+
 }  // namespace
 
 CreatedToken TokenStore::create(const NewToken& wanted) {
@@ -258,12 +267,7 @@ std::optional<Token> TokenStore::find_one_shot(const std::string& secret, const 
                                                soci::use(hash, "hash"),
                                                soci::use(path, "path"),
                                                soci::use(now_ms, "now"));
-        if (!owner) return;
-        token = select_one<TokenRow>(session,
-                                     "SELECT " TOKEN_COLUMNS
-                                     " FROM tokens WHERE id = :id AND " IS_VALID,
-                                     soci::use(*owner, "id"),
-                                     soci::use(now_ms, "now"));
+        if (owner) token = valid_token(session, *owner, now_ms);
     });
     return token;
 }
@@ -282,12 +286,7 @@ std::optional<Token> TokenStore::redeem_one_shot(const std::string& secret,
             soci::use(hash, "hash"),
             soci::use(path, "path"),
             soci::use(now_ms, "now"));
-        if (!owner) return;
-        token = select_one<TokenRow>(session,
-                                     "SELECT " TOKEN_COLUMNS
-                                     " FROM tokens WHERE id = :id AND " IS_VALID,
-                                     soci::use(*owner, "id"),
-                                     soci::use(now_ms, "now"));
+        if (owner) token = valid_token(session, *owner, now_ms);
     });
     return token;
 }
