@@ -90,12 +90,25 @@ void forget_unfinished_uploads(Catalog& catalog) {
     });
 }
 
-void check(int result, archive* tar, ErrorCode code, const std::string& doing) {
-    if (result != ARCHIVE_OK && result != ARCHIVE_WARN) {
-        const bool full = archive_errno(tar) == ENOSPC || archive_errno(tar) == EDQUOT;
-        const char* why = archive_error_string(tar);
-        throw Error(full ? ErrorCode::OutOfSpace : code, doing + ": " + (why ? why : "it fails"));
+// Returns the code for a failure of libarchive: `unsound` if it is the content that is at fault.
+ErrorCode code_of(archive* tar, ErrorCode unsound) {
+    switch (archive_errno(tar)) {
+        case ENOSPC:
+        case EDQUOT: return ErrorCode::OutOfSpace;
+        case ENOENT: return ErrorCode::NotFound;
+        case EIO:
+        case EACCES:
+        case EMFILE:
+        case ENFILE:
+        case ENOMEM: return ErrorCode::Unavailable;
+        default: return unsound;
     }
+}
+
+void check(int result, archive* tar, ErrorCode unsound, const std::string& doing) {
+    if (result == ARCHIVE_OK || result == ARCHIVE_WARN) return;
+    const char* why = archive_error_string(tar);
+    throw Error(code_of(tar, unsound), doing + ": " + (why ? why : "it fails"));
 }
 
 class TarWriter {
@@ -234,6 +247,7 @@ void restore_catalog(TarReader& tar, const fs::path& file) {
         ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0660));
     if (!catalog.is_open()) throw_errno("making " + file.string());
     tar.copy([&](std::span<const char> bytes) { write_all(catalog, bytes, file.string()); });
+    sync(catalog);
 }
 
 void check_end(TarReader& tar, const std::string& name, std::int64_t num_blobs) {
@@ -265,6 +279,7 @@ BackupSummary write_backup(Catalog& catalog, BlobStore& blobs, const fs::path& f
         Catalog copy("sqlite://" + fs::absolute(snapshot.path()).string());
         forget_unfinished_uploads(copy);
         named = named_blobs(copy);
+        copy.checkpoint();
     }
     Part part(file.string() + ".part");
     TarWriter tar(part.path());
@@ -317,6 +332,7 @@ BackupSummary read_backup(const fs::path& file, const fs::path& catalog_file, Bl
     {
         Catalog catalog("sqlite://" + fs::absolute(part.path()).string());
         adopt_blobs(catalog, blobs);
+        catalog.checkpoint();
     }
     part.become(catalog_file);
     return summary;

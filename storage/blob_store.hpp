@@ -13,7 +13,8 @@
 namespace divemesh::storage {
 
 // An upload's bytes while they arrive. write() appends in memory or page cache; flush() makes all
-// bytes written so far durable and returns the durable size.
+// bytes written so far durable and returns the durable size. If it throws, the bytes since the last
+// flush are cut off: what a disk has refused once, a later flush would report as durable.
 class StagedBlob {
 public:
     virtual ~StagedBlob() = default;
@@ -40,8 +41,10 @@ class BlobStore {
 public:
     virtual ~BlobStore() = default;
 
-    // Opens a staged blob. Under an existing key it continues where the durable bytes end.
-    virtual std::unique_ptr<StagedBlob> open_staged(const std::string& key) = 0;
+    // Opens a staged blob. Under an existing key it continues where the durable bytes end: behind
+    // all that are there, or, if the disk refuses them, behind the first `num_durable_bytes`.
+    virtual std::unique_ptr<StagedBlob> open_staged(const std::string& key,
+                                                    std::int64_t num_durable_bytes = 0) = 0;
     virtual std::int64_t staged_size_bytes(const std::string& key) = 0;  // 0: there is none
     virtual std::unique_ptr<BlobReader> read_staged(const std::string& key) = 0;
     virtual void remove_staged(const std::string& key) = 0;

@@ -136,6 +136,17 @@ struct Catalog::Implementation {
         }
     }
 
+    // Runs `work` without a transaction, on a connection of its own.
+    void run_alone(const Work& work) const {
+        const auto session = engine->connect();
+        try {
+            work(*session);
+        } catch (const soci::soci_error& error) {
+            engine->translate(error);
+            throw;
+        }
+    }
+
     bool is_current();
     void migrate(soci::session& session, Opening opening) const;
 
@@ -264,14 +275,13 @@ void Catalog::require_writable() {
 }
 
 void Catalog::copy_to(const std::string& file) {
-    Implementation& self = *implementation_;
-    const auto session = self.engine->connect();  // because no transaction may be open
-    try {
-        self.engine->copy_to(*session, file);
-    } catch (const soci::soci_error& error) {
-        self.engine->translate(error);
-        throw;
-    }
+    implementation_->run_alone(
+        [&](soci::session& session) { implementation_->engine->copy_to(session, file); });
+}
+
+void Catalog::checkpoint() {
+    implementation_->run_alone(
+        [this](soci::session& session) { implementation_->engine->checkpoint(session); });
 }
 
 }  // namespace divemesh::storage

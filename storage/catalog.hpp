@@ -60,6 +60,9 @@ public:
     // Writes a consistent copy of the current state to a file that does not exist yet; other calls
     // may write meanwhile.
     void copy_to(const std::string& file);
+    // Moves all changes into the catalog's own file, durably, so that the file may be copied or
+    // renamed by itself. Throws Error{Unavailable}, also if another process uses the catalog.
+    void checkpoint();
 
 private:
     struct Implementation;

@@ -48,7 +48,8 @@ private:
 class DirectoryStagedBlob : public StagedBlob {
 public:
     // Bytes that a killed server wrote may not have reached the disk; this makes them durable.
-    explicit DirectoryStagedBlob(FileDescriptor file) : file_(std::move(file)) {
+    DirectoryStagedBlob(FileDescriptor file, std::int64_t num_durable_bytes)
+        : file_(std::move(file)), num_durable_bytes_(num_durable_bytes) {
         flush();
         if (lseek(file_.get(), 0, SEEK_END) < 0) throw_errno("opening staged data");
     }
@@ -61,13 +62,26 @@ public:
         num_new_bytes_ = 0;
     }
     std::int64_t flush() override {
-        sync(file_);
-        return size_bytes();
+        try {
+            sync(file_);
+        } catch (const Error&) {
+            // The kernel has dropped the bytes, and would call the next fsync() a success.
+            cut_off(num_durable_bytes_);
+            throw;
+        }
+        return num_durable_bytes_ = size_bytes();
     }
     std::int64_t size_bytes() const override { return size_of(file_); }
 
 private:
+    void cut_off(std::int64_t size) const {
+        if (size >= size_bytes()) return;
+        if (ftruncate(file_.get(), size) != 0 || lseek(file_.get(), size, SEEK_SET) < 0)
+            throw_errno("cutting off what the disk did not take");
+    }
+
     FileDescriptor file_;
+    std::int64_t num_durable_bytes_;
     std::int64_t num_new_bytes_ = 0;  // not yet started to write to the disk
 };
 
@@ -81,12 +95,13 @@ public:
         remove_old_temporary_files();
     }
 
-    std::unique_ptr<StagedBlob> open_staged(const std::string& key) override {
+    std::unique_ptr<StagedBlob> open_staged(const std::string& key,
+                                            std::int64_t num_durable_bytes) override {
         const auto parts = split_key(key);
         const FileDescriptor parent = open_parent(staged_, parts, true);
         FileDescriptor file = open_file(parent, parts.back(), O_RDWR | O_CREAT);
         sync(parent);
-        return std::make_unique<DirectoryStagedBlob>(std::move(file));
+        return std::make_unique<DirectoryStagedBlob>(std::move(file), num_durable_bytes);
     }
 
     std::int64_t staged_size_bytes(const std::string& key) override {
@@ -173,8 +188,10 @@ void DirectoryBlobStore::commit_staged(const std::string& staged_key, const std:
     const FileDescriptor parent = open_parent(staged_, parts, false);
     const FileDescriptor file = open_file(parent, parts.back(), O_RDONLY);
     if (!file.is_open()) {
-        if (exists(key)) return;  // committed before, by a server that was killed afterwards
-        throw_missing(staged_key);
+        const FileDescriptor committed = open_parent(blobs_, split_key(key), false);
+        if (!exists(key)) throw_missing(staged_key);
+        sync(committed);  // committed before, and then killed, or told that this failed
+        return;
     }
     sync(file);
     publish(parent, parts.back(), key);

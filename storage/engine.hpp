@@ -28,6 +28,8 @@ public:
     virtual void run_script(soci::session& session, const std::string& sql) const = 0;
     // Copies the database into a file that does not exist, or is empty and keeps its mode.
     virtual void copy_to(soci::session& session, const std::string& file) const = 0;
+    // Moves what is in the log into the database's own file, durably.
+    virtual void checkpoint(soci::session& session) const = 0;
     // Throws Error{Unavailable} or Error{OutOfSpace} for an error that is not a bug; otherwise
     // returns.
     virtual void translate(const soci::soci_error& error) const = 0;

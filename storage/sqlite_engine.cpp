@@ -28,13 +28,18 @@ public:
     }
 
     std::unique_ptr<Session> connect() const override {
-        auto session = std::make_unique<Session>(
-            soci::sqlite3,
-            "dbname=\"" + file_ + "\" timeout=" + std::to_string(kBusyTimeoutSeconds));
-        switch_to_wal(*session);
-        *session << "PRAGMA synchronous = FULL";
-        *session << "PRAGMA foreign_keys = ON";
-        return session;
+        try {
+            auto session = std::make_unique<Session>(
+                soci::sqlite3,
+                "dbname=\"" + file_ + "\" timeout=" + std::to_string(kBusyTimeoutSeconds));
+            switch_to_wal(*session);
+            *session << "PRAGMA synchronous = FULL";
+            *session << "PRAGMA foreign_keys = ON";
+            return session;
+        } catch (const soci::soci_error& error) {
+            translate(error);
+            throw;
+        }
     }
 
     // SQLite has one writer at a time. Threads of one process queue here; only for other processes
@@ -61,6 +66,15 @@ public:
     // Reads one snapshot; the copy has no free pages and no write-ahead log.
     void copy_to(soci::session& session, const std::string& file) const override {
         session << "VACUUM INTO :file", soci::use(file);
+    }
+
+    // SQLite does the same when the last connection closes, but does not say if that fails.
+    void checkpoint(soci::session& session) const override {
+        int is_busy = 0;
+        session << "PRAGMA wal_checkpoint(TRUNCATE)", soci::into(is_busy);
+        if (is_busy != 0)
+            throw Error(ErrorCode::Unavailable,
+                        "the catalog " + file_ + " is in use by another process: try again");
     }
 
     void translate(const soci::soci_error& error) const override {

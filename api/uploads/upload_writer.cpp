@@ -17,7 +17,7 @@ constexpr std::chrono::seconds kFlushEvery{5};
 
 UploadWriter::UploadWriter(Services services, Upload upload)
     : services_(services), upload_(std::move(upload)) {
-    staged_ = services_.blobs.open_staged(upload_.blob);
+    staged_ = services_.blobs.open_staged(upload_.blob, upload_.offset_bytes);
     if (staged_->size_bytes() < upload_.offset_bytes)
         throw std::runtime_error("upload " + upload_.id +
                                  " has lost bytes: the catalog has recorded " +

@@ -1,12 +1,12 @@
 #include <cstdlib>
 
 #include "tests/fuzz/input.hpp"
-#include "tests/fuzz/service.hpp"
+#include "tests/portless_service.hpp"
 
 // The first byte says which request, the rest is its body.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     using namespace divemesh;
-    static fuzz::Service service;
+    static PortlessService service;
     static const std::pair<api::verb, std::string> requests[] = {
         {api::verb::post, "/api/v1/dives"},
         {api::verb::post, "/api/v1/dives/" + service.dive_id() + "/jobs"},

@@ -1,7 +1,7 @@
 #include <cstdlib>
 
 #include "tests/fuzz/input.hpp"
-#include "tests/fuzz/service.hpp"
+#include "tests/portless_service.hpp"
 
 namespace {
 
@@ -23,7 +23,7 @@ std::string message_of(std::string_view payload, bool is_binary) {
 
 // What a sensor says: lines that are reports, and after an empty line one preview.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    static divemesh::fuzz::Service service;
+    static divemesh::PortlessService service;
     divemesh::fuzz::Input input(data, size);
     std::string frames;
     for (auto line = input.line(); !line.empty(); line = input.line())

@@ -1,7 +1,7 @@
 #include <cstdlib>
 
 #include "tests/fuzz/input.hpp"
-#include "tests/fuzz/service.hpp"
+#include "tests/portless_service.hpp"
 
 namespace {
 
@@ -13,7 +13,7 @@ constexpr std::string_view kUpgrade =
 
 // Frames that a client sends on an event stream, after a handshake that is as it should be.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-    static divemesh::fuzz::Service service;
+    static divemesh::PortlessService service;
     const auto frames = divemesh::fuzz::Input(data, size).rest();
     const auto heard = service.converse(std::string(kUpgrade) + std::string(frames));
     if (!heard.starts_with("HTTP/1.1 101 ")) std::abort();

@@ -21,8 +21,9 @@ class VanishingBlobs : public BlobStore {
 public:
     explicit VanishingBlobs(BlobStore& blobs) : blobs_(blobs) {}
 
-    std::unique_ptr<StagedBlob> open_staged(const std::string& key) override {
-        return blobs_.open_staged(key);
+    std::unique_ptr<StagedBlob> open_staged(const std::string& key,
+                                            std::int64_t num_durable_bytes) override {
+        return blobs_.open_staged(key, num_durable_bytes);
     }
     std::int64_t staged_size_bytes(const std::string& key) override {
         return blobs_.staged_size_bytes(key);

@@ -2,94 +2,16 @@
 // blobs are consistent, and doing it again ends as if nothing had happened.
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <map>
 
-#include "storage/blob_store.hpp"
 #include "storage/fault_point.hpp"
 #include "tests/storage/child.hpp"
+#include "tests/storage/site.hpp"
 
 namespace divemesh::storage {
 namespace {
 
 namespace fs = std::filesystem;
-
-// One step of the service on a catalog and a blob store of its own.
-struct Site : Stores {
-    explicit Site(const fs::path& place)
-        : Stores("sqlite://" + (place / "catalog.db").string()),
-          folder(place),
-          blobs(open_blob_store((place / "blobs").string())) {}
-
-    void stage_upload() {
-        const Upload upload = finished_upload();
-        const auto staged = blobs->open_staged(upload.blob);
-        staged->write(std::string_view("0123456789"));
-        staged->flush();
-    }
-    // What makes a dive of a finished upload, and what a restarted server does again.
-    void commit() {
-        for (const Upload& upload : uploads_.list_open()) {
-            const NewDive dive = request(upload, "wreck", "standard");
-            blobs->commit_staged(upload.blob, dive.blob);
-            dives_.create(dive);
-        }
-    }
-
-    // A reconstruction of a dive that is really there.
-    void queue_job() {
-        stage_upload();
-        commit();
-        finish_intake(dives_.list({}, {}).items.at(0));
-    }
-
-    Lease take() { return claim(std::chrono::minutes(5)).lease; }
-    void publish(const Lease& lease) {
-        std::vector<Artifact> artifacts;
-        for (const char* name : {"mesh.ply", "trajectory.tum"}) {
-            std::ofstream(folder / name) << name;
-            const std::string key = "jobs/" + lease.job_id + "/" + lease.lease_id + "/" + name;
-            blobs->put_file(key, folder / name);
-            artifacts.push_back({.name = name, .media_type = "x", .sha256 = "y", .blob = key});
-        }
-        EXPECT_TRUE(jobs_.succeed(lease, artifacts));
-    }
-
-    std::vector<Job> all_jobs() { return jobs_.list({}, {.limit = 200}).items; }
-    void lose_leases() {
-        catalog_.transaction([](soci::session& session) {
-            session << "UPDATE jobs SET lease_expires_at_ms = 0 WHERE state = 'running'";
-        });
-    }
-
-    fs::path folder;
-    std::unique_ptr<BlobStore> blobs;
-};
-
-void expect_consistent(Site& site) {
-    for (const Dive& dive : site.dives_.list({}, {}).items)
-        EXPECT_TRUE(site.blobs->exists(dive.blob)) << dive.id;
-    std::map<std::string, std::string> told;
-    std::int64_t last = 0;
-    for (const Event& event : site.events_.since(0, "", 1000)) {
-        EXPECT_EQ(event.sequence, ++last);
-        if (event.type == "job.state") told[event.subject] = event.data.at("state");
-    }
-    for (const Job& job : site.all_jobs()) {
-        EXPECT_EQ(told[job.id], to_string(job.state)) << "what was told is not what is";
-        const auto attempts = site.jobs_.attempts(job.id);
-        const auto num_running = std::count_if(attempts.begin(), attempts.end(), [](auto& attempt) {
-            return attempt.state == AttemptState::Running;
-        });
-        EXPECT_EQ(num_running, job.state == JobState::Running ? 1 : 0);
-        const auto artifacts = site.jobs_.artifacts(job.id);
-        const bool published = job.kind == JobKind::Reconstruct && job.state == JobState::Succeeded;
-        EXPECT_EQ(artifacts.size(), published ? 2U : 0U);
-        for (const Artifact& artifact : artifacts) EXPECT_TRUE(site.blobs->exists(artifact.blob));
-    }
-}
 
 class CrashPointsTest : public testing::Test {
 protected:

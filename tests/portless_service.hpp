@@ -18,16 +18,18 @@
 #include "server/session_context.hpp"
 #include "tests/temporary_folder.hpp"
 
-namespace divemesh::fuzz {
+namespace divemesh {
 
 // The service without a port and without tokens, over a catalog with a dive and a job.
-class Service {
+class PortlessService {
 public:
-    Service();
-    ~Service();
+    PortlessService();
+    ~PortlessService();
 
     const std::string& dive_id() const { return dive_id_; }
     const std::string& job_id() const { return job_id_; }
+    storage::Catalog& catalog() { return catalog_; }
+    storage::BlobStore& blobs() { return *blobs_; }
 
     // Dispatches one request with a body, without sockets.
     api::Response ask(api::Request request, std::string_view body);
@@ -63,4 +65,4 @@ private:
     std::string job_id_;
 };
 
-}  // namespace divemesh::fuzz
+}  // namespace divemesh

@@ -1,4 +1,4 @@
-#include "tests/fuzz/service.hpp"
+#include "tests/portless_service.hpp"
 
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/co_spawn.hpp>
@@ -15,7 +15,7 @@
 #include "storage/job_store.hpp"
 #include "tests/ready_dive.hpp"
 
-namespace divemesh::fuzz {
+namespace divemesh {
 namespace {
 
 namespace asio = boost::asio;
@@ -69,7 +69,7 @@ std::string make_job(storage::Catalog& catalog, const std::string& dive_id) {
 
 }  // namespace
 
-Service::Service()
+PortlessService::PortlessService()
     : catalog_("sqlite://" + (folder_ / "catalog.db").string()),
       blobs_(storage::open_blob_store((folder_ / "blobs").string())) {
     spdlog::set_level(spdlog::level::off);
@@ -78,9 +78,9 @@ Service::Service()
     job_id_ = make_job(catalog_, dive_id_);
 }
 
-Service::~Service() { pool_.join(); }
+PortlessService::~PortlessService() { pool_.join(); }
 
-api::Services Service::services() {
+api::Services PortlessService::services() {
     return {catalog_,
             *blobs_,
             pool_,
@@ -102,7 +102,7 @@ api::Services Service::services() {
             true};
 }
 
-api::Response Service::ask(api::Request request, std::string_view body) {
+api::Response PortlessService::ask(api::Request request, std::string_view body) {
     request.stream = std::make_shared<MemoryBody>(body);
     request.id = "fuzz";
     api::Response answer;
@@ -117,7 +117,7 @@ api::Response Service::ask(api::Request request, std::string_view body) {
     return answer;
 }
 
-std::string Service::converse(std::string_view sent) {
+std::string PortlessService::converse(std::string_view sent) {
     const auto client = std::make_shared<Local::socket>(io_);
     Local::socket far_end(io_);
     asio::local::connect_pair(*client, far_end);
@@ -136,4 +136,4 @@ std::string Service::converse(std::string_view sent) {
     return heard;
 }
 
-}  // namespace divemesh::fuzz
+}  // namespace divemesh
