@@ -16,7 +16,8 @@ export default defineConfig({
     assetsDir: "assets",
     assetsInlineLimit: 0,
     modulePreload: { polyfill: false },
-    chunkSizeWarningLimit: 900,
+    rollupOptions: { output: { manualChunks: { three: ["three"] } } },
+    chunkSizeWarningLimit: 700,
   },
   test: { include: ["tests/**/*.test.ts"] },
 });

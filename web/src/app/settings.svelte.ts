@@ -20,7 +20,7 @@ function stored(): Stored {
 
 class Settings {
   theme = $state<Theme>(stored().theme ?? "system");
-  units = $state<Units>(stored().units ?? (/^en-(US|LR)|^my/.test(navigator.language) ? "imperial" : "metric"));
+  units = $state<Units>(stored().units ?? "metric");
   preset = $state(stored().preset ?? "standard");
   prefers_dark = $state(window.matchMedia("(prefers-color-scheme: dark)").matches);
   prefers_contrast = $state(window.matchMedia("(prefers-contrast: more)").matches);
