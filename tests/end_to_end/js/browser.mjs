@@ -19,6 +19,7 @@ const arguments_of_chromium = [
   "--disable-background-networking",
   "--disable-component-update",
   "--disable-sync",
+  "--disable-dev-shm-usage", // a container has little of it
   "--no-first-run",
 ];
 
