@@ -43,6 +43,7 @@ export function address_of(path: string, parameters: Record<string, string | num
 export async function send(address: string, init: RequestInit = {}): Promise<Response> {
   const headers = new Headers(init.headers);
   if (init.method && init.method !== "GET") headers.set("X-CSRF-Token", session.csrf_token);
+  if (session.bearer) headers.set("Authorization", `Bearer ${session.bearer}`);
   let response: Response;
   try {
     response = await fetch(address, { credentials: "same-origin", ...init, headers });

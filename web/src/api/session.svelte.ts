@@ -6,7 +6,7 @@ interface SessionBody {
   name: string;
   scopes: Scope[];
   project: string;
-  expires_at?: number | string;
+  shared_job?: string;
 }
 
 const kAddress = "/api/v1/session";
@@ -19,6 +19,10 @@ class Session {
   project = $state("");
   scopes = $state<Scope[]>([]);
   csrf_token = $state("");
+  // The job whose result a share link opens; empty for other tokens.
+  shared_job = $state("");
+  // The secret of an embedded viewer, which gets no cookie in a frame of another site. In memory alone.
+  bearer = "";
   expired = $state(false);
 
   // Asks the server whether the cookie still counts.
@@ -42,6 +46,12 @@ class Session {
     });
     if (!response.ok) throw await problem_of(response);
     this.#began((await response.json()) as SessionBody);
+  }
+
+  // Takes a secret for this visit alone, without a cookie.
+  embed(secret: string): void {
+    this.bearer = secret;
+    this.state = "in";
   }
 
   async end(): Promise<void> {
@@ -72,6 +82,7 @@ class Session {
     this.project = body.project;
     this.scopes = body.scopes;
     this.csrf_token = body.csrf_token;
+    this.shared_job = body.shared_job ?? "";
     this.expired = false;
     this.state = "in";
   }

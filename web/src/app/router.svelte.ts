@@ -2,10 +2,12 @@ export type Route =
   | { view: "dives" }
   | { view: "dive"; id: string }
   | { view: "job"; id: string }
+  | { view: "jobs" }
   | { view: "sensors" }
   | { view: "admin" }
   | { view: "sign_in" }
   | { view: "share" }
+  | { view: "embed" }
   | { view: "not_found" };
 
 // Returns the view that a path names.
@@ -17,10 +19,12 @@ export function route_of(path: string): Route {
   if (first === "dives" && second) return { view: "dive", id: second };
   if (first === "jobs" && second) return { view: "job", id: second };
   if (second !== undefined) return { view: "not_found" };
+  if (first === "jobs") return { view: "jobs" };
   if (first === "sensors") return { view: "sensors" };
   if (first === "admin") return { view: "admin" };
   if (first === "sign-in") return { view: "sign_in" };
   if (first === "share") return { view: "share" };
+  if (first === "embed") return { view: "embed" };
   return { view: "not_found" };
 }
 

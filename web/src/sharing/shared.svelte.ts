@@ -1,6 +1,7 @@
 import { router } from "../app/router.svelte";
 
-// Whether this visit came by a share link: the page then shows the one result and no navigation.
+// Whether this visit came by a share link: the page then shows the one result and no navigation, and
+// asks for nothing that the link does not open.
 class Sharing {
   active = $state(sessionStorage.getItem("divemesh.shared") === "1");
 

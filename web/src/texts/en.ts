@@ -2,7 +2,7 @@
 export const texts = {
   product: "divemesh",
   skip: "Skip to the content",
-  nav: { label: "Main", dives: "Dives", sensors: "Sensors", admin: "Administration", back: "Back", sign_out: "Sign out" },
+  nav: { label: "Main", dives: "Dives", jobs: "Jobs", sensors: "Sensors", admin: "Administration", admin_brief: "Admin", back: "Back", sign_out: "Sign out" },
   settings: {
     label: "Display",
     theme: "Theme",
@@ -199,6 +199,13 @@ export const texts = {
     need_scope: "Your token cannot upload: it lacks the scope dives:write.",
     dismiss: "Remove from the list",
   },
+  jobs: {
+    title: "Jobs",
+    open: "Running and waiting",
+    ended: "Ended",
+    none_open: "Nothing is running or waiting.",
+    none_ended: "No job has ended yet.",
+  },
   job: {
     tabs: { overview: "Overview", model: "Model", mosaic: "Mosaic", accuracy: "Accuracy", files: "Files", log: "Log" } as Record<string, string>,
     of_dive: "of",
@@ -370,7 +377,8 @@ export const texts = {
     start: "start",
     sigma_plot: "Uncertainty of the position over time",
     sigma_plot_text: "One standard deviation relative to the first pose, from the covariance of the poses.",
-    report: "Open the full report",
+    report: "The full report",
+    new_tab: "Open in a new tab",
     certificate: "Certificate",
     json: "metrics.json",
     all: "All metrics",
@@ -461,8 +469,8 @@ export const texts = {
     withdraw: "Withdraw",
     withdrawn: "withdrawn",
     expired: "expired",
-    until: (time: string) => `until ${time}`,
-    last_used: (time: string) => `last opened ${time}`,
+    until: "until",
+    last_used: "last opened",
     opening: "Opening the shared result",
     dead_title: "This link no longer works",
     dead: "It has expired or was withdrawn. Ask the person who sent it for a new one.",

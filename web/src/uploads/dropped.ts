@@ -7,19 +7,22 @@ export interface Dropped {
   files: NamedFile[];
 }
 
-// Returns the entries of a drop. It must be called in the drop's event, before anything is awaited.
-export function entries_of(transfer: DataTransfer): FileSystemEntry[] {
+// Returns the entries of a drop, or its files where the browser knows no entries. It must be called
+// in the drop's event, before anything is awaited.
+export function entries_of(transfer: DataTransfer): (FileSystemEntry | File)[] {
   return [...transfer.items]
     .filter((item) => item.kind === "file")
-    .map((item) => item.webkitGetAsEntry())
-    .filter((entry): entry is FileSystemEntry => entry !== null);
+    .map((item) => item.webkitGetAsEntry() ?? item.getAsFile())
+    .filter((entry) => entry !== null);
 }
 
-export async function read_entries(entries: FileSystemEntry[]): Promise<Dropped[]> {
+export async function read_entries(entries: (FileSystemEntry | File)[]): Promise<Dropped[]> {
   const loose: Dropped = { root: "", files: [] };
   const dropped: Dropped[] = [];
   for (const entry of entries) {
-    if (entry.isDirectory) {
+    if (entry instanceof File) {
+      loose.files.push({ path: entry.name, file: entry });
+    } else if (entry.isDirectory) {
       const files: NamedFile[] = [];
       await walk(entry as FileSystemDirectoryEntry, "", files);
       dropped.push({ root: entry.name, files });
