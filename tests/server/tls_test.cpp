@@ -169,6 +169,17 @@ TEST_F(TlsTest, TellsBrowsersToStayWithTlsIfThatIsWanted) {
         "");
 }
 
+TEST_F(TlsTest, TheCookieOfASessionIsForTlsAlone) {
+    const TestServer server(config);
+    auto address = client::parse_server_url("https://127.0.0.1:" + std::to_string(server.port()));
+    address.ca_file = folder / "cert.pem";
+    client::HttpConnection connection(address, std::chrono::seconds(20));
+    const auto begun = connection.send(
+        {"POST", "/api/v1/session", {{"Authorization", "Bearer " + server.admin()}}, ""});
+    EXPECT_EQ(begun.status, 201) << begun.body;
+    EXPECT_TRUE(begun.header("set-cookie").ends_with("; Secure")) << begun.header("set-cookie");
+}
+
 TEST_F(TlsTest, WhoSpeaksNoTlsIsLeftAlone) {
     config.timeouts.header = std::chrono::milliseconds(500);
     TestServer server(config);
