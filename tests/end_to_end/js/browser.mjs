@@ -19,6 +19,7 @@ const arguments_of_chromium = [
   "--disable-background-networking",
   "--disable-component-update",
   "--disable-sync",
+  "--disable-dev-shm-usage", // a container has little of it
   "--no-first-run",
 ];
 
@@ -53,10 +54,13 @@ export async function screenshot(page, what) {
   await page.screenshot({ path: join(folder, `${name}-${what}.png`) });
 }
 
-// What went wrong in the page. An answer that a script expects, like 401, is taken by its pattern in `expected`.
+// That nobody is signed in, when the page is opened.
+const not_signed_in = /console: .* 401 .*\/api\/v1\/session$/;
+
+// What went wrong in the page. What a script expects is taken by its pattern in `expected`.
 function watch(page, expected) {
   const faults = [];
-  const note = (fault) => expected.some((pattern) => pattern.test(fault)) || faults.push(fault);
+  const note = (fault) => [not_signed_in, ...expected].some((pattern) => pattern.test(fault)) || faults.push(fault);
   page.on("pageerror", (error) => note(`error: ${error.stack ?? error}`));
   page.on("console", (message) => message.type() === "error" && note(`console: ${message.text()} ${message.location().url}`));
   page.on("request", (request) => {
