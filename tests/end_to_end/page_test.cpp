@@ -67,7 +67,7 @@ TEST(SignInTest, TheCommandLinePrintsALinkThatSignsInOnce) {
 
 INSTANTIATE_TEST_SUITE_P(Scripts,
                          PageInBrowserTest,
-                         testing::Values("sign_in", "security"),
+                         testing::Values("sign_in", "security", "dive", "manners"),
                          [](const auto& each) { return each.param; });
 
 }  // namespace

@@ -1,5 +1,4 @@
 import { BufferAttribute, BufferGeometry, Group, Mesh } from "three";
-import { acceleratedRaycast, MeshBVH } from "three-mesh-bvh";
 import { value_material } from "./materials";
 import type { VertexValues } from "./ply";
 
@@ -25,10 +24,7 @@ function group_of(values: VertexValues): Group {
   geometry.setAttribute("sigma", new BufferAttribute(values.sigma, 1));
   geometry.setAttribute("observations", new BufferAttribute(values.observations, 1));
   geometry.setIndex(new BufferAttribute(values.index, 1));
-  geometry.boundsTree = new MeshBVH(geometry);
-  const mesh = new Mesh(geometry, value_material("shade"));
-  mesh.raycast = acceleratedRaycast;
   const group = new Group();
-  group.add(mesh);
+  group.add(new Mesh(geometry, value_material("shade")));
   return group;
 }

@@ -4,8 +4,8 @@ export type Point = readonly [number, number, number];
 export type Tool = "length" | "polyline" | "area" | "angle";
 
 export interface Errors {
-  // Standard deviation of a point of the surface, m; null where the result states none.
-  sigma_m: number | null;
+  // Standard deviation of the surface at a point, m; null where the result states none.
+  sigma_at: (point: Point) => number | null;
   // Relative standard deviation of all lengths.
   scale_sigma: number;
 }
@@ -64,21 +64,22 @@ export function most_points(tool: Tool): number {
 export function measure(tool: Tool, points: readonly Point[], errors: Errors): Measured {
   const { of, power } = kFunctions[tool];
   const value = of(points);
-  if (errors.sigma_m === null) return { value, half: null };
-  const from_points = errors.sigma_m ** 2 * squared_gradient(of, points);
+  const sigmas = points.map(errors.sigma_at);
+  if (sigmas.includes(null)) return { value, half: null };
+  const from_points = variance_from(sigmas as number[], of, points);
   const from_scale = (power * errors.scale_sigma * value) ** 2;
   return { value, half: kZ95 * Math.sqrt(from_points + from_scale) };
 }
 
-// Returns the sum of the squared derivatives by all coordinates, by central differences.
-function squared_gradient(of: (points: readonly Point[]) => number, points: readonly Point[]): number {
+// Returns the variance that the errors of the points cause, with derivatives by central differences.
+function variance_from(sigmas: number[], of: (points: readonly Point[]) => number, points: readonly Point[]): number {
   const step = 1e-4;
   let sum = 0;
   points.forEach((point, index) => {
     for (const axis of [0, 1, 2]) {
       const moved = (by: number): Point[] =>
         points.map((other, place) => (place === index ? (point.map((x, a) => (a === axis ? x + by : x)) as unknown as Point) : other));
-      sum += ((of(moved(step)) - of(moved(-step))) / (2 * step)) ** 2;
+      sum += (((sigmas[index] as number) * (of(moved(step)) - of(moved(-step)))) / (2 * step)) ** 2;
     }
   });
   return sum;

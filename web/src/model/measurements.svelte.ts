@@ -13,8 +13,14 @@ export class Measurements {
   tool = $state<Tool | "orbit">("orbit");
   pending = $state.raw<Point[]>([]);
   done = $state.raw<Measurement[]>([]);
-  errors: Errors = { sigma_m: null, scale_sigma: 0 };
+  errors = $state.raw<Errors>({ sigma_at: () => null, scale_sigma: 0 });
   #next_id = 1;
+
+  // Takes better known errors, also for what was measured before.
+  set_errors(errors: Errors): void {
+    this.errors = errors;
+    this.done = this.done.map((item) => ({ ...item, ...measure(item.tool, item.points, errors) }));
+  }
 
   choose(tool: Tool | "orbit"): void {
     this.tool = tool;

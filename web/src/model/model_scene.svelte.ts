@@ -4,12 +4,14 @@ import type { Measurements } from "./measurements.svelte";
 import { parse_model, read_with_progress } from "./load_model";
 import { values_group } from "./load_values";
 import { place_in } from "./path_marks";
-import { quantiles, type VertexValues } from "./ply";
+import { quantiles, sigma_near, type VertexValues } from "./ply";
 import { address_in, artifact_named, errors_of, json_of, poses_of, text_of, type Keyframe, type Keyframes, type Metrics } from "./result_files";
 import { type ColorMode, type Section, Viewer } from "./viewer";
 import { fragment_of, view_in } from "./view_link";
 
 const kPicturesOfPoint = 6;
+const kReachOfSigma_m = 0.1;
+const kSmallPly_bytes = 80e6;
 
 export interface PlaceInPicture {
   keyframe: Keyframe;
@@ -183,11 +185,18 @@ export class ModelScene {
       json_of<Metrics>(this.job, this.artifacts, "metrics.json"),
     ]);
     if (this.#abort.signal.aborted) return;
-    this.measurements.errors = errors_of(metrics);
+    this.measurements.set_errors(errors_of(metrics));
     if (path) viewer.path.set_path(poses_of(path));
     if (keyframes) viewer.path.set_keyframes(keyframes, Math.min(0.3, viewer.size() / 30));
     this.keyframes = keyframes;
     viewer.draw();
+  }
+
+  // Loads the sigma of each place of the surface for what is measured, unless the file is large.
+  async want_sigma(): Promise<void> {
+    const ply = artifact_named(this.artifacts, "mesh.ply");
+    if (!this.viewer || !ply || this.#values || this.values_fraction >= 0 || ply.size_bytes > kSmallPly_bytes) return;
+    await this.#load_values(this.viewer).catch(() => undefined);
   }
 
   async #load_values(viewer: Viewer): Promise<void> {
@@ -199,6 +208,8 @@ export class ModelScene {
       const { group, values } = await values_group(bytes);
       this.#values = values;
       viewer.set_values(group);
+      const { sigma_at, scale_sigma } = this.measurements.errors;
+      this.measurements.set_errors({ sigma_at: (point) => sigma_near(values, point, kReachOfSigma_m) ?? sigma_at(point), scale_sigma });
     } finally {
       this.values_fraction = -1;
     }

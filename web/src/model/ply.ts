@@ -69,6 +69,22 @@ function triangles_of(view: DataView, { num_vertices, num_faces, stride, start }
   return index;
 }
 
+// Returns the sigma of the vertex nearest to a point; nothing where none is within the reach.
+export function sigma_near({ position, sigma }: VertexValues, [x, y, z]: readonly [number, number, number], reach_m: number): number | undefined {
+  let nearest = -1;
+  let least = reach_m ** 2;
+  for (let vertex = 0; vertex < sigma.length; vertex += 1) {
+    const dx = (position[3 * vertex] as number) - x;
+    const dy = (position[3 * vertex + 1] as number) - y;
+    const dz = (position[3 * vertex + 2] as number) - z;
+    const squared = dx * dx + dy * dy + dz * dz;
+    if (squared >= least) continue;
+    least = squared;
+    nearest = vertex;
+  }
+  return nearest < 0 ? undefined : sigma[nearest];
+}
+
 // Returns the values below which the given shares of them lie.
 export function quantiles(values: Float32Array, shares: number[]): number[] {
   const sorted = Float32Array.from(values).sort();

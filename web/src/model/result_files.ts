@@ -66,9 +66,11 @@ export function number_at(metrics: Metrics | undefined, path: string): number | 
   return typeof value === "number" && Number.isFinite(value) ? value : undefined;
 }
 
+// Returns the errors of a result: its median sigma for every point, until that of the place is known.
 export function errors_of(metrics: Metrics | undefined): Errors {
+  const median = number_at(metrics, "expected_accuracy.surface.sigma_median_m") ?? null;
   return {
-    sigma_m: number_at(metrics, "expected_accuracy.surface.sigma_median_m") ?? null,
+    sigma_at: () => median,
     scale_sigma: number_at(metrics, "calibration.scale_sigma") ?? 0.0025,
   };
 }

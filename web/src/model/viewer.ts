@@ -185,9 +185,8 @@ export class Viewer {
   // Returns the point of the surface under a place of the canvas, in its CSS pixels.
   pick(x: number, y: number): Point | undefined {
     const raycaster = this.#ray(x, y);
-    const shown = this.#values?.visible ? this.#values : this.#model;
-    if (!shown) return undefined;
-    const hits = raycaster.intersectObject(shown, true);
+    if (!this.#model) return undefined;
+    const hits = raycaster.intersectObject(this.#model, true);
     const hit = hits.find(({ point }) => !this.#clips || this.#plane.distanceToPoint(point) >= 0);
     return hit ? (hit.point.toArray() as unknown as Point) : undefined;
   }

@@ -445,6 +445,8 @@ export const texts = {
       frame_rate_hz: "Frame rate (Hz)",
       link_rssi_dbm: "Link (dBm)",
     } as Record<string, string>,
+    least: "least",
+    largest: "largest",
     range_text: "The band shows the least and the largest value of each step.",
     command_names: {
       start_recording: "Start recording",
