@@ -13,6 +13,7 @@
 
 #include "api/client/download.hpp"
 #include "api/client/event_stream.hpp"
+#include "api/client/http_connection.hpp"
 #include "api/client/tus_upload.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
