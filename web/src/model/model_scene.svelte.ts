@@ -62,6 +62,7 @@ export class ModelScene {
       }
     }
     const viewer = this.viewer;
+    window.addEventListener("hashchange", this.#follow_address);
     try {
       const bytes = await read_with_progress(address_in(this.job, mesh), mesh.size_bytes, (share) => (this.fraction = share), this.#abort.signal);
       const model = await parse_model(bytes);
@@ -76,7 +77,13 @@ export class ModelScene {
     }
   }
 
+  // Shows the view of the address, as when another link is pasted into it.
+  #follow_address = (): void => {
+    if (this.viewer && this.loaded) this.#open_view(this.viewer);
+  };
+
   close(): void {
+    window.removeEventListener("hashchange", this.#follow_address);
     this.#abort.abort();
     this.viewer?.dispose();
     this.viewer = undefined;
@@ -175,7 +182,7 @@ export class ModelScene {
     const { pose, color } = view_in(window.location.hash);
     if (pose) viewer.set_pose(pose);
     else viewer.look("whole");
-    if (color !== "photo") void this.set_color(color);
+    if (color !== this.color) void this.set_color(color);
   }
 
   async #load_path(viewer: Viewer): Promise<void> {
