@@ -39,6 +39,7 @@ export class ModelScene {
   keyframes = $state.raw<Keyframes>();
   keyframe = $state<number>();
   seen_in = $state.raw<PlaceInPicture[]>([]);
+  looked_up = $state.raw<Point>();
   num_triangles = $state(0);
   #abort = new AbortController();
   #values: VertexValues | undefined;
@@ -133,12 +134,16 @@ export class ModelScene {
     this.choose_keyframe(keyframe);
     const point = keyframe === undefined ? viewer.pick(x, y) : undefined;
     this.seen_in = point ? this.#pictures_of(point, viewer) : [];
+    this.looked_up = this.seen_in.length > 0 ? point : undefined;
     if (this.seen_in[0]) this.choose_keyframe(this.seen_in[0].index, true);
   }
 
   choose_keyframe(index: number | undefined, keeps_point = false): void {
     this.keyframe = index;
-    if (!keeps_point) this.seen_in = [];
+    if (!keeps_point) {
+      this.seen_in = [];
+      this.looked_up = undefined;
+    }
     this.viewer?.path.select(index);
     this.viewer?.draw();
   }
