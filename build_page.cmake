@@ -50,6 +50,7 @@ if(NOT CMAKE_SCRIPT_MODE_FILE)
     file(GLOB sources CONFIGURE_DEPENDS ${web}/*.html ${web}/*.js ${web}/*.json ${web}/*.ts)
     file(GLOB_RECURSE more CONFIGURE_DEPENDS ${web}/src/* ${web}/public/*)
     list(APPEND sources ${more})
+    list(FILTER sources EXCLUDE REGEX "\\.d\\.ts$") # `npm run check` leaves it; the build makes its own
     set(installed ${work}/node_modules/.package-lock.json) # npm writes it last
     add_custom_command(
       OUTPUT ${installed}
