@@ -67,7 +67,7 @@ TEST(SignInTest, TheCommandLinePrintsALinkThatSignsInOnce) {
 
 INSTANTIATE_TEST_SUITE_P(Scripts,
                          PageInBrowserTest,
-                         testing::Values("sign_in", "security", "dive", "manners"),
+                         testing::Values("sign_in", "security", "dive", "manners", "sensor"),
                          [](const auto& each) { return each.param; });
 
 }  // namespace

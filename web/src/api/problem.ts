@@ -32,6 +32,7 @@ export class Problem extends Error {
     if (this.status === 0) return texts.problem.remedy_gone;
     if (this.status === 401) return texts.problem.remedy_unauthorized;
     if (this.status === 403) return texts.problem.remedy_forbidden;
+    if (this.status === 404) return texts.problem.remedy_not_found;
     if (this.status === 429) return texts.problem.remedy_too_many;
     if (this.status >= 500 && this.status !== 507) return texts.problem.remedy_server;
     return "";

@@ -35,6 +35,13 @@ export function length(metres: number, units: Units, digits = 3): string {
   return `${significant(value, digits)} ${unit}`;
 }
 
+// Returns a length in the unit that a length of another size has, so that the ends of a scale compare.
+export function length_as(metres: number, like_m: number, units: Units): string {
+  const { unit, factor } = scaled_length(like_m, units);
+  const decimals = Math.min(Math.max(2 - Math.floor(Math.log10(Math.abs(like_m) / factor)), 0), 4);
+  return `${(metres / factor).toFixed(decimals).replace("-", "−")} ${unit}`;
+}
+
 // Returns a measured length with half of its 95 % interval, both in one unit and with the digits that the interval allows.
 export function length_with_error(metres: number, half_m: number | null, units: Units): string {
   if (half_m === null || !(half_m > 0)) return length(metres, units);

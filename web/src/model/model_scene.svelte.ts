@@ -39,6 +39,7 @@ export class ModelScene {
   keyframes = $state.raw<Keyframes>();
   keyframe = $state<number>();
   seen_in = $state.raw<PlaceInPicture[]>([]);
+  looked_up = $state.raw<Point>();
   num_triangles = $state(0);
   #abort = new AbortController();
   #values: VertexValues | undefined;
@@ -62,6 +63,7 @@ export class ModelScene {
       }
     }
     const viewer = this.viewer;
+    window.addEventListener("hashchange", this.#follow_address);
     try {
       const bytes = await read_with_progress(address_in(this.job, mesh), mesh.size_bytes, (share) => (this.fraction = share), this.#abort.signal);
       const model = await parse_model(bytes);
@@ -76,7 +78,13 @@ export class ModelScene {
     }
   }
 
+  // Shows the view of the address, as when another link is pasted into it.
+  #follow_address = (): void => {
+    if (this.viewer && this.loaded) this.#open_view(this.viewer);
+  };
+
   close(): void {
+    window.removeEventListener("hashchange", this.#follow_address);
     this.#abort.abort();
     this.viewer?.dispose();
     this.viewer = undefined;
@@ -126,12 +134,16 @@ export class ModelScene {
     this.choose_keyframe(keyframe);
     const point = keyframe === undefined ? viewer.pick(x, y) : undefined;
     this.seen_in = point ? this.#pictures_of(point, viewer) : [];
+    this.looked_up = this.seen_in.length > 0 ? point : undefined;
     if (this.seen_in[0]) this.choose_keyframe(this.seen_in[0].index, true);
   }
 
   choose_keyframe(index: number | undefined, keeps_point = false): void {
     this.keyframe = index;
-    if (!keeps_point) this.seen_in = [];
+    if (!keeps_point) {
+      this.seen_in = [];
+      this.looked_up = undefined;
+    }
     this.viewer?.path.select(index);
     this.viewer?.draw();
   }
@@ -175,7 +187,7 @@ export class ModelScene {
     const { pose, color } = view_in(window.location.hash);
     if (pose) viewer.set_pose(pose);
     else viewer.look("whole");
-    if (color !== "photo") void this.set_color(color);
+    if (color !== this.color) void this.set_color(color);
   }
 
   async #load_path(viewer: Viewer): Promise<void> {

@@ -48,6 +48,7 @@ export const texts = {
     remedy_gone: "Check the network of this device. The page tries again by itself.",
     remedy_unauthorized: "Sign in again.",
     remedy_forbidden: "Sign in with a token that has the scope named here, or ask the administrator for one.",
+    remedy_not_found: "It may have been removed, or it belongs to another project than your token.",
     remedy_too_many: "Wait a few seconds, then try again.",
     remedy_server: "Try again. If it happens again, give the request id to the administrator.",
   },
