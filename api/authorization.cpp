@@ -2,6 +2,8 @@
 
 #include <boost/beast/core/string.hpp>
 
+#include "api/browser_session.hpp"
+#include "api/cors.hpp"
 #include "api/in_pool.hpp"
 #include "api/read_nonblocking.hpp"
 #include "schemas/content_hash.hpp"
@@ -12,6 +14,17 @@ namespace divemesh::api {
 namespace {
 
 constexpr const char* kOneShot = "one_shot";
+constexpr std::string_view kBearer = "Bearer ";
+
+// Without tokens a browser would do whatever any page that is open in it asks.
+void refuse_other_pages(const Request& request, const ServiceLimits& limits) {
+    const bool reads = request.method == verb::get || request.method == verb::head ||
+                       request.method == verb::options;
+    if (!reads && !is_allowed_origin(request, limits))
+        throw Error(ErrorCode::Forbidden,
+                    "pages of this origin are not allowed to change anything: start the server "
+                    "with --allow-origin to allow it");
+}
 
 Token administrator() {
     Token token;
@@ -22,12 +35,11 @@ Token administrator() {
 }
 
 std::string bearer_secret(const Request& request) {
-    constexpr std::string_view kScheme = "Bearer ";
     const std::string header = request.header("authorization");
-    if (!boost::beast::iequals(header.substr(0, kScheme.size()), kScheme))
+    if (!boost::beast::iequals(header.substr(0, kBearer.size()), kBearer))
         throw Error(ErrorCode::Unauthorized,
                     "there is no token: send Authorization: Bearer dm_...");
-    return header.substr(kScheme.size());
+    return header.substr(kBearer.size());
 }
 
 void refuse_token_in_address(const Request& request) {
@@ -38,17 +50,12 @@ void refuse_token_in_address(const Request& request) {
                 "a token must not be part of the address: send it as Authorization: Bearer");
 }
 
-Error used_up() {
-    return {ErrorCode::Unauthorized,
-            "this one-shot token was used, has expired or is for another path: create a new one"};
-}
-
-Awaitable<Token> find_one_shot(Request request, Services services) {
-    auto find = [request = std::move(request)](storage::Catalog& catalog) {
-        return storage::TokenStore(catalog).find_one_shot(request.query.at(kOneShot), request.path);
+Awaitable<Token> find_one_shot(std::string secret, std::string path, Services services) {
+    auto find = [secret = std::move(secret), path = std::move(path)](storage::Catalog& catalog) {
+        return storage::TokenStore(catalog).find_one_shot(secret, path);
     };
     auto token = co_await read_nonblocking(services, std::move(find));
-    if (!token) throw used_up();
+    if (!token) throw one_shot_used_up();
     co_return std::move(*token);
 }
 
@@ -67,16 +74,39 @@ Awaitable<Token> find_token(std::string secret, Services services) {
 
 }  // namespace
 
-Awaitable<Token> authenticate(Request request, Services services, bool takes_one_shot) {
+Awaitable<Token> authenticate(Request request, Services services, RouteKind kind) {
     refuse_token_in_address(request);
-    if (services.no_auth) co_return administrator();
-    if (!request.query.contains(kOneShot))
-        co_return co_await find_token(bearer_secret(request), services);
-    if (!takes_one_shot || request.method != verb::get)
-        throw Error(
-            ErrorCode::InvalidArgument,
-            "a one-shot token is only for GET of files and event streams: send another token");
-    co_return co_await find_one_shot(std::move(request), services);
+    if (services.no_auth) {
+        refuse_other_pages(request, services.limits);
+        co_return administrator();
+    }
+    if (request.query.contains(kOneShot)) {
+        const bool is_taken = kind == RouteKind::File || kind == RouteKind::WebSocket;
+        if (!is_taken || request.method != verb::get)
+            throw Error(
+                ErrorCode::InvalidArgument,
+                "a one-shot token is only for GET of files and event streams: send another token");
+        std::string one_shot = request.query.at(kOneShot);
+        co_return co_await find_one_shot(std::move(one_shot), request.path, services);
+    }
+    if (auto cookie = session_secret(request))
+        co_return co_await find_session_token(
+            std::move(request), services, kind, std::move(*cookie));
+    auto one_shot = bearer_one_shot(request);
+    if (one_shot && request.method == verb::post && request.path == kSessionPath)
+        co_return co_await find_one_shot(std::move(*one_shot), request.path, services);
+    co_return co_await find_token(bearer_secret(request), services);
+}
+
+std::optional<std::string> bearer_one_shot(const Request& request) {
+    const std::string header = request.header("authorization");
+    const std::string secret = header.substr(std::min(kBearer.size(), header.size()));
+    return secret.starts_with(storage::kOneShotPrefix) ? std::optional(secret) : std::nullopt;
+}
+
+Error one_shot_used_up() {
+    return {ErrorCode::Unauthorized,
+            "this one-shot token was used, has expired or is for another path: create a new one"};
 }
 
 Awaitable<void> use_up_one_shot(Request request, Services services) {
@@ -87,11 +117,11 @@ Awaitable<void> use_up_one_shot(Request request, Services services) {
             .has_value();
     };
     const bool redeemed = co_await in_pool(services.pool, std::move(work));
-    if (!redeemed) throw used_up();
+    if (!redeemed) throw one_shot_used_up();
 }
 
 void require_scope(const Token& token, const std::string& scope) {
-    if (!token.allows(scope))
+    if (scope != kAnyToken && !token.allows(scope))
         throw Error(ErrorCode::Forbidden, "this token does not have the scope " + scope);
 }
 

@@ -1,23 +1,33 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "api/http.hpp"
+#include "api/routes.hpp"
 #include "api/services.hpp"
+#include "schemas/error.hpp"
 
 namespace divemesh::api {
 
-// Returns the caller's token, found by the bearer token of the request. With authentication off
-// every caller is the administrator of the project "default". Throws Error{Unauthorized} for a
-// missing or unknown token. Refuses a token in the URL, because logs and referrers would keep it;
-// only GET of a route that takes it may have ?one_shot=.
-Awaitable<Token> authenticate(Request request, Services services, bool takes_one_shot);
+// Returns the caller's token, found by the bearer token of the request, or by the session of a
+// browser. With authentication off every caller is the administrator of the project "default".
+// Throws Error{Unauthorized} for a missing or unknown token, and what find_session_token() throws.
+// Refuses a token in the URL, because logs and referrers would keep it; only GET of a file or a
+// WebSocket may have ?one_shot=. A bearer token that works once is only for signing in.
+Awaitable<Token> authenticate(Request request, Services services, RouteKind kind);
+
+// Returns the bearer token of the request if it works once; otherwise nullopt.
+std::optional<std::string> bearer_one_shot(const Request& request);
+
+// Returns the error for a one-shot token that is not valid.
+Error one_shot_used_up();
 
 // Uses up the one-shot token of a request that has been served, if it came with one; a request that
 // is refused leaves it valid. Throws Error{Unauthorized} if another request has used it meanwhile.
 Awaitable<void> use_up_one_shot(Request request, Services services);
 
-// Throws Error{Forbidden}, which names the scope, if the token lacks it.
+// Throws Error{Forbidden}, which names the scope, if the token lacks it. Every token has kAnyToken.
 void require_scope(const Token& token, const std::string& scope);
 
 // Returns the project whose objects a token sees; "" means all projects (admin).

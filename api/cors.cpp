@@ -24,11 +24,14 @@ bool is_listed(const Request& request, const ServiceLimits& limits) {
 
 }  // namespace
 
-bool is_allowed_origin(const Request& request, const ServiceLimits& limits) {
-    if (!request.has_header("origin") || is_listed(request, limits)) return true;
+bool is_own_origin(const Request& request) {
     const std::string origin = request.header("origin");
     const auto host = origin.find("://");
     return host != std::string::npos && origin.substr(host + 3) == request.header("host");
+}
+
+bool is_allowed_origin(const Request& request, const ServiceLimits& limits) {
+    return !request.has_header("origin") || is_listed(request, limits) || is_own_origin(request);
 }
 
 std::optional<Response> answer_preflight(const Request& request,
@@ -49,7 +52,7 @@ std::optional<Response> answer_preflight(const Request& request,
 
 void add_cors(const Request& request, const ServiceLimits& limits, Response& response) {
     if (limits.allowed_origins.empty()) return;
-    response.set("Vary", "Origin");
+    response.add_vary("Origin");
     if (!is_listed(request, limits)) return;
     response.set("Access-Control-Allow-Origin", request.header("origin"));
     response.set("Access-Control-Expose-Headers", kRead);

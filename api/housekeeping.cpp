@@ -8,6 +8,7 @@
 #include "api/sensors/sensor_hub.hpp"
 #include "api/uploads/make_truth.hpp"
 #include "schemas/log.hpp"
+#include "storage/browser_session_store.hpp"
 #include "storage/dive_removal.hpp"
 #include "storage/job_store.hpp"
 #include "storage/leftovers.hpp"
@@ -86,6 +87,7 @@ void clean_up(const Services& services) {
         storage::remove_leftovers(catalog, services.blobs, kLeftoversKept, kPerRound);
     });
     attempt("events", services, [&] { storage::forget_events(catalog, kEventsKept); });
+    attempt("sessions", services, [&] { storage::BrowserSessionStore(catalog).forget_ended(); });
     attempt("sensors", services, [&] {
         storage::SensorStore sensors(catalog);
         while (!services.stopping && !sensors.forget_older_than(kSensorHistoryKept)) {

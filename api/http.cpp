@@ -1,5 +1,6 @@
 #include "api/http.hpp"
 
+#include <algorithm>
 #include <ctime>
 #include <nlohmann/json.hpp>
 
@@ -25,6 +26,13 @@ const std::string& Request::parameter(std::string_view name) const {
 
 void Response::set(std::string name, std::string value) {
     headers.emplace_back(std::move(name), std::move(value));
+}
+
+void Response::add_vary(const std::string& name) {
+    const auto known = std::find_if(
+        headers.begin(), headers.end(), [](const auto& header) { return header.first == "Vary"; });
+    if (known == headers.end()) return set("Vary", name);
+    known->second += ", " + name;
 }
 
 // Names of a dive may hold any bytes, so invalid UTF-8 is replaced; it does not throw.

@@ -84,6 +84,7 @@ struct Response {
     bool audited = false;                        // the audit event has been written
 
     void set(std::string name, std::string value);
+    void add_vary(const std::string& name);  // a header field of the request that decided
 };
 
 // Returns the text that json_response puts into the body.

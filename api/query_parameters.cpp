@@ -56,7 +56,7 @@ Names names_of(const json& contract, const Route& route) {
 std::map<const Route*, Names> names_of_routes() {
     const json contract = json::parse(openapi_json());
     std::map<const Route*, Names> names;
-    for (const Route& route : routes()) names.emplace(&route, names_of(contract, route));
+    for (const Route& route : api_routes()) names.emplace(&route, names_of(contract, route));
     return names;
 }
 
@@ -86,7 +86,7 @@ std::string advice(const std::string& text, const Names& names) {
 }  // namespace
 
 void require_known_query(const Request& request, const Route& route) {
-    if (request.query.empty()) return;
+    if (request.query.empty() || route.kind == RouteKind::Page) return;
     static const auto kNames = names_of_routes();
     const Names& names = kNames.at(&route);
     std::vector<Fault> faults;

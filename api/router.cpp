@@ -112,10 +112,9 @@ Response no_route(const Request& request, const RouteMatch& match) {
 
 // Returns the caller's token. Refuses an address with too many failed logins.
 Awaitable<Token> identify(Request request, Services services, RouteKind kind) {
-    const bool takes_one_shot = kind == RouteKind::File || kind == RouteKind::WebSocket;
     const std::string peer = request.peer;
     try {
-        co_return co_await authenticate(std::move(request), services, takes_one_shot);
+        co_return co_await authenticate(std::move(request), services, kind);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::Unauthorized || services.failed_logins.allow(peer)) throw;
     }

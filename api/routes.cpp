@@ -1,5 +1,7 @@
 #include "api/routes.hpp"
 
+#include <algorithm>
+
 #include "api/handlers/artifacts.hpp"
 #include "api/handlers/commands.hpp"
 #include "api/handlers/dive_removal.hpp"
@@ -10,11 +12,13 @@
 #include "api/handlers/jobs.hpp"
 #include "api/handlers/metric_series.hpp"
 #include "api/handlers/metrics.hpp"
+#include "api/handlers/page.hpp"
 #include "api/handlers/previews.hpp"
 #include "api/handlers/queue.hpp"
 #include "api/handlers/result_removal.hpp"
 #include "api/handlers/schedules.hpp"
 #include "api/handlers/sensors.hpp"
+#include "api/handlers/sessions.hpp"
 #include "api/handlers/tokens.hpp"
 #include "api/handlers/truth.hpp"
 #include "api/handlers/uploads.hpp"
@@ -25,7 +29,8 @@ namespace {
 
 using enum RouteKind;
 
-// The whole API. api/openapi.yaml lists the same routes; a test keeps them equal.
+// The whole API, and behind it the addresses of the web page. api/openapi.yaml lists the routes of
+// the API; a test keeps them equal.
 constexpr Route kRoutes[] = {
     // clang-format off
     {Plain,      verb::options, "/api/v1/uploads",                "",            describe_uploads},
@@ -98,6 +103,9 @@ constexpr Route kRoutes[] = {
     {Secret,     verb::post,    "/api/v1/tokens",                 "admin",       create_token},
     {Plain,      verb::delete_, "/api/v1/tokens/{token_id}",      "admin",       revoke_token},
     {Secret,     verb::post,    "/api/v1/one_shot_tokens",        "dives:read",  create_one_shot_token},
+    {Plain,      verb::get,     "/api/v1/session",                kAnyToken,     get_session},
+    {Secret,     verb::post,    "/api/v1/session",                kAnyToken,     create_session},
+    {Plain,      verb::delete_, "/api/v1/session",                kAnyToken,     end_session},
 
     {Plain,      verb::get,     "/api/v1/webhooks",               "admin",       list_webhooks},
     {Secret,     verb::post,    "/api/v1/webhooks",               "admin",       create_webhook},
@@ -111,11 +119,36 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/healthz/ready",                 "",            get_readiness},
     {Plain,      verb::get,     "/metrics",                       "metrics:read", get_metrics},
     {Plain,      verb::get,     "/openapi.json",                  "",            get_openapi},
+
+    // Each of these shows the page, which finds in the address what to show.
+    {Page,       verb::get,     "/",                              "",            show_page},
+    {Page,       verb::get,     "/sign-in",                       "",            show_page},
+    {Page,       verb::get,     "/dives",                         "",            show_page},
+    {Page,       verb::get,     "/dives/{view...}",               "",            show_page},
+    {Page,       verb::get,     "/jobs",                          "",            show_page},
+    {Page,       verb::get,     "/jobs/{view...}",                "",            show_page},
+    {Page,       verb::get,     "/compare",                       "",            show_page},
+    {Page,       verb::get,     "/compare/{view...}",             "",            show_page},
+    {Page,       verb::get,     "/accuracy",                      "",            show_page},
+    {Page,       verb::get,     "/sensors",                       "",            show_page},
+    {Page,       verb::get,     "/sensors/{view...}",             "",            show_page},
+    {Page,       verb::get,     "/share",                         "",            show_page},
+    {Page,       verb::get,     "/settings",                      "",            show_page},
+    {Page,       verb::get,     "/admin",                         "",            show_page},
+    {Page,       verb::get,     "/admin/{view...}",               "",            show_page},
+    {Page,       verb::get,     "/embed",                         "",            show_page_in_frame},
+    {Page,       verb::get,     "/embed/{view...}",               "",            show_page_in_frame},
+    {Page,       verb::get,     "/assets/{asset_name}",           "",            get_page_asset},
     // clang-format on
 };
 
 }  // namespace
 
 std::span<const Route> routes() { return kRoutes; }
+
+std::span<const Route> api_routes() {
+    const auto is_page = [](const Route& route) { return route.kind == Page; };
+    return {std::begin(kRoutes), std::find_if(std::begin(kRoutes), std::end(kRoutes), is_page)};
+}
 
 }  // namespace divemesh::api

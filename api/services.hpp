@@ -5,9 +5,11 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
+#include "api/page_file.hpp"
 #include "api/rate_limiter.hpp"
 #include "api/token_cache.hpp"
 #include "api/uploads/hash_cache.hpp"
@@ -41,7 +43,9 @@ struct ServiceLimits {
     // How long deleted dives and results can be restored before they are removed.
     std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);
     std::chrono::seconds hsts{0};  // how long browsers use nothing but TLS; 0: not stated
+    bool tls = false;              // this server speaks TLS itself
     std::vector<std::string> allowed_origins;  // of other pages that may use this server
+    std::vector<std::string> frame_ancestors;  // origins whose pages may show ours in a frame
     AllowedNetworks webhook_networks;          // private networks that webhooks may reach
 };
 
@@ -67,6 +71,7 @@ struct Services {
     const std::atomic<bool>& stopping;  // long work in the pool gives up once it is true
     const ServiceLimits& limits;
     bool no_auth = false;
+    std::span<const PageFile> page = {};  // empty: built without it
 };
 
 }  // namespace divemesh::api

@@ -5,6 +5,7 @@
 #include "cli/command.hpp"
 #include "cli/data_options.hpp"
 #include "cli/exit_code.hpp"
+#include "cli/page.hpp"
 #include "schemas/reconstruction_options.hpp"
 #include "server/server.hpp"
 #include "worker/base/cache_folder.hpp"
@@ -54,6 +55,7 @@ void add_serve(CLI::App& app, Context& context) {
     command->add_option("--hsts-days", options->hsts_days, "with TLS: days for which browsers use only https for this host (Strict-Transport-Security); 0: not stated")->capture_default_str()->check(CLI::Range(0, 3650));
     command->add_flag("--check-config", options->check_only, "check the options and exit");
     command->add_option("--allow-origin", options->config.allowed_origins, "origin whose pages may use the API: https://lab.example (may be repeated)");
+    command->add_option("--frame-ancestors", options->config.frame_ancestors, "origin whose pages may show the viewer, /embed, in a frame: https://museum.example (may be repeated)");
     command->add_option("--webhook-network", options->config.webhook_networks, "private network that webhooks may reach: 10.1.0.0/16 (may be repeated)");
     command->add_option("--max-connections", options->config.max_connections, "max open connections; a quarter of them are kept for clients with a valid token")->capture_default_str()->check(CLI::Range(16, 1'000'000));
     command->add_option("--max-address-connections", options->config.max_address_connections, "max open connections of one address (IPv6: of one /64 network), loopback excepted; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
@@ -74,6 +76,7 @@ void add_serve(CLI::App& app, Context& context) {
             }
             config.catalog_url = catalog_url(options->data);
             config.blobs_url = blobs_url(options->data);
+            config.page = page();
             config.make_room = room_maker(cache_folder(options->data));
             config.upload_lifetime = std::chrono::milliseconds(
                 static_cast<std::int64_t>(options->upload_lifetime_h * 3600000.0));

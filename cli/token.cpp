@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include "api/audit.hpp"
+#include "api/browser_session.hpp"
 #include "cli/command.hpp"
 #include "cli/data_options.hpp"
 #include "cli/exit_code.hpp"
@@ -22,6 +23,7 @@ struct TokenOptions {
     std::string sensor;
     int lifetime_days = 0;
     std::string id;
+    std::string server = "http://127.0.0.1:8080";
 };
 
 // Returns the name of the user, as the system knows it.
@@ -84,6 +86,28 @@ int revoke_token(const TokenOptions& options) {
     return kExitDone;
 }
 
+int sign_in(const TokenOptions& options) {
+    const storage::Catalog catalog(catalog_url(options.data), storage::Opening::ExistingOnly);
+    const std::string path = api::make_sign_in_path(catalog, options.id, by_whom());
+    std::cerr << "open this address in a browser: it signs in once, within 15 minutes\n";
+    std::cout << options.server << path << '\n';
+    return kExitDone;
+}
+
+void add_sign_in(CLI::App& command,
+                 const std::shared_ptr<TokenOptions>& options,
+                 Context& context) {
+    auto* sign_in_command = command.add_subcommand(
+        "sign-in", "print an address that signs a browser in to the web page, once");
+    add_data_options(*sign_in_command, options->data);
+    sign_in_command->add_option(
+        "token", options->id, "id of the token; default: the oldest one with the scope admin");
+    sign_in_command->add_option("--server", options->server, "address of the server")
+        ->capture_default_str();
+    sign_in_command->callback(
+        [options, &context] { context.command = [options] { return sign_in(*options); }; });
+}
+
 }  // namespace
 
 void add_token(CLI::App& app, Context& context) {
@@ -118,6 +142,8 @@ void add_token(CLI::App& app, Context& context) {
     list->callback([options, &context] {
         context.command = [options, &context] { return list_tokens(*options, context); };
     });
+
+    add_sign_in(*command, options, context);
 
     auto* revoke = command->add_subcommand("revoke", "revoke a token");
     add_data_options(*revoke, options->data);

@@ -3,7 +3,7 @@
 # it, the artifacts come back, the metrics are printed.
 #   deploy/demo.sh [--keep] [--preset NAME] [DIVE]
 # DIVE: a folder or archive of your own; without it a dive along a sunken barge is rendered.
-# --keep leaves the server up and prints its address.
+# --keep leaves the server up and prints an address that opens the page signed in.
 set -euo pipefail
 
 keep=false preset=standard dive=
@@ -70,6 +70,8 @@ echo "demo: the results are in $demo/result:"
 if $keep; then
     trap - EXIT
     disown "$server"
+    echo "demo: open $("$divemesh" token sign-in --data "$data" --server "$address" 2>/dev/null)"
+    echo "demo: (signs a browser in once, within 15 minutes)"
     echo "demo: the server is up at $address (pid $server; stop it with: kill $server)"
     echo "demo: export DIVEMESH_SERVER=$address DIVEMESH_TOKEN=$DIVEMESH_TOKEN"
 fi

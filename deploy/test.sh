@@ -51,6 +51,10 @@ trap report EXIT
 
 check_format() { git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run -Werror; }
 install_npm_packages() { npm ci --prefix tests/end_to_end/js --no-audit --no-fund --loglevel=error; }
+check_page() {
+    npm ci --prefix web --no-audit --no-fund --loglevel=error
+    npm run check --prefix web && npm test --prefix web
+}
 build() {
     local preset=$1
     shift
@@ -79,6 +83,7 @@ else
 fi
 step "install validators and clients (npm)" install_npm_packages
 step "format" check_format
+step "types and tests of the page (npm)" check_page
 step "build, release" build release --target divemesh release_tests benchmarks
 step "build, address and undefined-behaviour sanitizers" build debug --target unit_tests fuzzers
 step "unit tests, sanitizers" run_tests debug --preset debug -j "$jobs"

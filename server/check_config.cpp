@@ -14,7 +14,7 @@ void check_origin(const std::string& origin) {
     const auto host = origin.find("://");
     const bool plain = (origin.starts_with("https://") || origin.starts_with("http://")) &&
                        origin.size() > host + 3 &&
-                       origin.find_first_of("/ *", host + 3) == std::string::npos;
+                       origin.find_first_of("/ *;,", host + 3) == std::string::npos;
     if (!plain)
         throw Error(
             ErrorCode::InvalidArgument,
@@ -45,6 +45,8 @@ void check_config(const ServerConfig& config) {
         throw Error(ErrorCode::InvalidArgument,
                     "--hsts-days is only for TLS: give --tls-cert and --tls-key, or leave it out");
     for (const std::string& origin : config.allowed_origins) check_origin(origin);
+    for (const std::string& origin : config.frame_ancestors)
+        if (origin != "'self'") check_origin(origin);
     check_folder(config.data);
 }
 

@@ -5,12 +5,16 @@
 #include <iostream>
 #include <optional>
 #include <thread>
+#include <unistd.h>
 
+#include "api/browser_session.hpp"
+#include "schemas/error.hpp"
 #include "schemas/log.hpp"
 #include "server/log.hpp"
 #include "server/open_files.hpp"
 #include "server/server.hpp"
 #include "server/worker_supervisor.hpp"
+#include "storage/catalog.hpp"
 
 namespace divemesh::server {
 namespace {
@@ -62,6 +66,24 @@ void say_where_token_is(const Server& server) {
               {"file", (server.config().data / "admin.token").string()}});
 }
 
+// Says how to open the page, to a person at a terminal only: what is not a terminal may be a log.
+void say_how_to_sign_in(const Server& server) {
+    if (isatty(STDOUT_FILENO) == 0) return;
+    std::string path = "/";
+    if (!server.config().no_auth) {
+        try {
+            const storage::Catalog catalog(server.config().catalog_url);
+            path = api::make_sign_in_path(catalog, "", "serve");
+        } catch (const Error& error) {
+            std::cout << "no link to sign in: " << error.what() << std::endl;
+            return;
+        }
+    }
+    std::cout << "open " << server.url() << path
+              << (server.config().no_auth ? "" : "\n(signs in once, within 15 minutes)")
+              << std::endl;
+}
+
 }  // namespace
 
 void run_server(const ServerConfig& config) {
@@ -82,6 +104,7 @@ void run_server(const ServerConfig& config) {
         [&] { server.reload_certificate(); });
     say_where_token_is(server);
     std::cout << "listening on " << server.url() << std::endl;
+    say_how_to_sign_in(server);
     server.run();
 }
 

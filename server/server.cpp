@@ -84,8 +84,10 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     limits.max_project_bytes = config.max_project_bytes;
     limits.max_project_dives = config.max_project_dives;
     limits.keep_deleted = config.keep_deleted;
-    if (!config.tls_certificate.empty()) limits.hsts = config.hsts;  // RFC 6797, 7.2
+    limits.tls = !config.tls_certificate.empty();
+    if (limits.tls) limits.hsts = config.hsts;  // RFC 6797, 7.2
     limits.allowed_origins = config.allowed_origins;
+    limits.frame_ancestors = config.frame_ancestors;
     limits.webhook_networks = api::AllowedNetworks(config.webhook_networks);
     return limits;
 }
@@ -161,25 +163,10 @@ struct Server::Implementation {
     }
 
     SessionContext context() {
-        api::Services services{catalog,
-                               *blobs,
-                               pool,
-                               locks,
-                               hashes,
-                               forecast,
-                               keys,
-                               tokens,
-                               rates,
-                               failed_logins,
-                               metrics,
-                               readiness,
-                               reserve,
-                               reports,
-                               sensor_hub,
-                               config.make_room,
-                               stopping,
-                               limits,
-                               config.no_auth};
+        api::Services services{catalog,          *blobs,    pool,    locks,          hashes,
+                               forecast,         keys,      tokens,  rates,          failed_logins,
+                               metrics,          readiness, reserve, reports,        sensor_hub,
+                               config.make_room, stopping,  limits,  config.no_auth, config.page};
         return {services, events, config.timeouts};
     }
 

@@ -5,8 +5,11 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
+
+#include "api/page_file.hpp"
 
 namespace divemesh::server {
 
@@ -56,11 +59,13 @@ struct ServerConfig {
     std::string import_project = "default";
     std::string import_preset;                  // of their reconstructions; "": no reconstruction
     std::vector<std::string> allowed_origins;   // of other pages that may use the server (CORS)
+    std::vector<std::string> frame_ancestors;   // of pages that may show /embed in a frame
     std::vector<std::string> webhook_networks;  // private networks that webhooks may reach
     double max_requests_per_s = 0.0;            // of one token, twice that in a burst; 0: no limit
     double max_failed_logins_per_s = 5.0;       // of one address, a hundred times that in a burst
     // How long deleted dives can be restored before they are removed.
     std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);
+    std::span<const api::PageFile> page = {};  // the web page; empty: none
     Timeouts timeouts = {};
 };
 
@@ -90,8 +95,8 @@ private:
 };
 
 // Runs `divemesh serve`: a Server with its workers until SIGTERM or SIGINT. Prints one line on
-// stdout once it is ready: "listening on http://127.0.0.1:8080". Throws as check_config() and
-// Server's constructor do.
+// stdout once it is ready: "listening on http://127.0.0.1:8080"; on a terminal also a link that
+// opens the page signed in. Throws as check_config() and Server's constructor do.
 void run_server(const ServerConfig& config);
 
 // Checks whether a server could start with `config`, as far as possible without changing anything.

@@ -103,6 +103,8 @@ void check(const NewToken& wanted) {
 
 std::int64_t milliseconds(std::chrono::seconds time) { return time.count() * 1000; }
 
+}  // namespace
+
 std::optional<Token> valid_token(soci::session& session,
                                  const std::string& id,
                                  std::int64_t now_ms) {
@@ -112,7 +114,21 @@ std::optional<Token> valid_token(soci::session& session,
                                 soci::use(now_ms, "now"));
 }
 
-}  // namespace
+std::optional<Token> take_one_shot(soci::session& session,
+                                   const std::string& secret,
+                                   const std::string& path,
+                                   std::int64_t now_ms) {
+    const std::string hash = sha256_hex(secret);
+    const auto owner =
+        select_one<TextRow>(session,
+                            "DELETE FROM one_shot_tokens"
+                            " WHERE secret_sha256 = :hash AND path = :path AND expires_at_ms > :now"
+                            " RETURNING token_id",
+                            soci::use(hash, "hash"),
+                            soci::use(path, "path"),
+                            soci::use(now_ms, "now"));
+    return owner ? valid_token(session, *owner, now_ms) : std::nullopt;
+}
 
 CreatedToken TokenStore::create(const NewToken& wanted) {
     check(wanted);
@@ -235,7 +251,7 @@ OneShotToken TokenStore::create_one_shot(const Token& owner,
                                          std::chrono::seconds lifetime) {
     if (path.size() > kMaxPathBytes)
         throw Error(ErrorCode::InvalidArgument, "\"path\" is longer than 2048 bytes");
-    OneShotToken made{"dm1_" + random_hex(32), path};
+    OneShotToken made{std::string(kOneShotPrefix) + random_hex(32), path};
     const std::string hash = sha256_hex(made.secret);
     catalog_.transaction([&](soci::session& session) {
         const std::int64_t now_ms = Catalog::now_ms(session);
@@ -274,19 +290,9 @@ std::optional<Token> TokenStore::find_one_shot(const std::string& secret, const 
 
 std::optional<Token> TokenStore::redeem_one_shot(const std::string& secret,
                                                  const std::string& path) {
-    const std::string hash = sha256_hex(secret);
     std::optional<Token> token;
     catalog_.transaction([&](soci::session& session) {
-        const std::int64_t now_ms = Catalog::now_ms(session);
-        const auto owner = select_one<TextRow>(
-            session,
-            "DELETE FROM one_shot_tokens"
-            " WHERE secret_sha256 = :hash AND path = :path AND expires_at_ms > :now"
-            " RETURNING token_id",
-            soci::use(hash, "hash"),
-            soci::use(path, "path"),
-            soci::use(now_ms, "now"));
-        if (owner) token = valid_token(session, *owner, now_ms);
+        token = take_one_shot(session, secret, path, Catalog::now_ms(session));
     });
     return token;
 }

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "schemas/token.hpp"
@@ -31,6 +32,7 @@ struct OneShotToken {
 };
 
 inline constexpr std::chrono::seconds kOneShotLifetime{30};
+inline constexpr std::string_view kOneShotPrefix = "dm1_";
 
 // The tokens table, with one-shot tokens.
 class TokenStore {
@@ -64,5 +66,16 @@ private:
 
     Catalog& catalog_;
 };
+
+// Returns the token if it is neither revoked nor expired; otherwise nullopt.
+std::optional<Token> valid_token(soci::session& session,
+                                 const std::string& id,
+                                 std::int64_t now_ms);
+// Uses up a one-shot token and returns the token that it was made for; nullopt if it was used, has
+// expired or is for another path.
+std::optional<Token> take_one_shot(soci::session& session,
+                                   const std::string& secret,
+                                   const std::string& path,
+                                   std::int64_t now_ms);
 
 }  // namespace divemesh::storage

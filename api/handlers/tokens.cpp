@@ -1,6 +1,7 @@
 #include "api/handlers/tokens.hpp"
 
 #include "api/audit.hpp"
+#include "api/browser_session.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
@@ -21,15 +22,17 @@ storage::NewToken token_request(const Request& request) {
             .lifetime = std::chrono::seconds(value_or<std::int64_t>(body, "expires_in_s", 0))};
 }
 
-// Returns the path of a one-shot token: only paths that a browser opens by itself, without custom
-// headers, i.e. downloads and event streams.
+// Returns the path of a one-shot token: paths that a browser opens by itself, without custom
+// headers, i.e. downloads and event streams, and the one that signs a browser in.
 std::string one_shot_path(const Request& request) {
     const auto body = json_body(request, {"path"});
     auto path = value_or<std::string>(body, "path", "");
+    if (path == kSessionPath) return path;
     const Route* route = path.starts_with('/') ? find_route(verb::get, path).route : nullptr;
     if (route == nullptr || (route->kind != RouteKind::File && route->kind != RouteKind::WebSocket))
         throw Error(ErrorCode::InvalidArgument,
-                    "\"path\" must be that of a file or an event stream, without its query");
+                    "\"path\" must be that of a file or an event stream, without its query, or "
+                    "/api/v1/session");
     return path;
 }
 
@@ -64,7 +67,9 @@ Awaitable<Response> revoke_token(Request request, Services services) {
 Awaitable<Response> create_one_shot_token(Request request, Services services) {
     auto work = [services, request, path = one_shot_path(request)] {
         auto catalog = audited(services, request);
-        return storage::TokenStore(catalog).create_one_shot(request.token, path);
+        const std::chrono::seconds lifetime =
+            path == kSessionPath ? kSignInLifetime : storage::kOneShotLifetime;
+        return storage::TokenStore(catalog).create_one_shot(request.token, path, lifetime);
     };
     const auto made = co_await in_pool(services.pool, std::move(work));
     co_return secret_response(

@@ -55,7 +55,7 @@ bool becomes_dive(const Upload& upload) {
 Awaitable<Response> with_truth(
     Response response, Request request, Services services, Upload upload, StopFlag stopped) {
     const UploadPlan plan = plan_of(upload.metadata);
-    const Token token = co_await authenticate(request, services, false);
+    const Token token = co_await authenticate(request, services, RouteKind::BodyStream);
     require_scope(token, "dives:write");
     const std::string sha256 = co_await hash_archive(services, upload, stopped);
     auto work = [services, request, upload, plan, sha256, num_bytes = response.uploaded_bytes] {
@@ -76,7 +76,7 @@ Awaitable<Response> with_truth(
 Awaitable<Response> with_dive(
     Response response, Request request, Services services, Upload upload, StopFlag stopped) {
     const UploadPlan plan = plan_of(upload.metadata);
-    const Token token = co_await authenticate(request, services, false);
+    const Token token = co_await authenticate(request, services, RouteKind::BodyStream);
     require_scope(token, "dives:write");
     if (!plan.preset.empty()) require_scope(token, "jobs:write");
     const std::string sha256 = co_await hash_archive(services, upload, stopped);

@@ -36,15 +36,22 @@ std::string lower(std::string text) {
     return text;
 }
 
-// The documented operation, null when there is none.
-const json* operation_of(const std::string& method, const std::string& target) {
+const api::Route* route_of(const std::string& method, const std::string& target) {
     const auto verb = api::http::string_to_verb(method);
-    const auto match = api::find_route(verb, target.substr(0, target.find('?')));
-    if (match.route == nullptr) return nullptr;
-    std::string path(match.route->path);
+    return api::find_route(verb, target.substr(0, target.find('?'))).route;
+}
+
+bool is_of_page(const api::Route* route) {
+    return route != nullptr && route->kind == api::RouteKind::Page;
+}
+
+// The documented operation, null when there is none.
+const json* operation_of(const api::Route* route) {
+    if (route == nullptr || is_of_page(route)) return nullptr;
+    std::string path(route->path);
     if (const auto dots = path.find("...}"); dots != std::string::npos) path.erase(dots, 3);
     const auto& item = contract().at("paths").at(path);
-    const auto name = lower(std::string(api::http::to_string(match.route->method)));
+    const auto name = lower(std::string(api::http::to_string(route->method)));
     return &item.at(name);
 }
 
@@ -151,7 +158,9 @@ std::string contract_breach(const std::string& method,
     const json& problem = contract().at("components").at("responses").at("Problem");
     // The answer to a preflight is that of CORS, not of an operation.
     if (method == "OPTIONS" && response.headers.contains("access-control-allow-methods")) return "";
-    const json* operation = operation_of(method, target);
+    const api::Route* route = route_of(method, target);
+    if (is_of_page(route) && response.status < 400) return "";
+    const json* operation = operation_of(route);
     if (operation == nullptr)
         return response.status < 400 ? "nothing is documented here"
                                      : answer_breach(problem, method == "HEAD", "", response);

@@ -13,6 +13,7 @@
 
 #include "api/client/download.hpp"
 #include "api/client/event_stream.hpp"
+#include "api/client/http_connection.hpp"
 #include "api/client/tus_upload.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
@@ -167,6 +168,17 @@ TEST_F(TlsTest, TellsBrowsersToStayWithTlsIfThatIsWanted) {
     EXPECT_EQ(
         TestServer(config).request("GET", "/healthz/live", "").header("strict-transport-security"),
         "");
+}
+
+TEST_F(TlsTest, TheCookieOfASessionIsForTlsAlone) {
+    const TestServer server(config);
+    auto address = client::parse_server_url("https://127.0.0.1:" + std::to_string(server.port()));
+    address.ca_file = folder / "cert.pem";
+    client::HttpConnection connection(address, std::chrono::seconds(20));
+    const auto begun = connection.send(
+        {"POST", "/api/v1/session", {{"Authorization", "Bearer " + server.admin()}}, ""});
+    EXPECT_EQ(begun.status, 201) << begun.body;
+    EXPECT_TRUE(begun.header("set-cookie").ends_with("; Secure")) << begun.header("set-cookie");
 }
 
 TEST_F(TlsTest, WhoSpeaksNoTlsIsLeftAlone) {

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "api/http.hpp"
+#include "api/services.hpp"
+
+// The web page. Public: it holds no data; what it shows it asks the API for.
+namespace divemesh::api {
+
+// Sends index.html, or, from a server that was built without the page, a line that says so.
+Awaitable<Response> show_page(Request request, Services services);
+// The same, for frames of the pages that --frame-ancestors names.
+Awaitable<Response> show_page_in_frame(Request request, Services services);
+// Sends a file that index.html refers to. Its name contains its hash, so browsers keep it.
+Awaitable<Response> get_page_asset(Request request, Services services);
+
+}  // namespace divemesh::api
