@@ -3,6 +3,7 @@
 #include <string>
 
 #include "api/http.hpp"
+#include "api/routes.hpp"
 #include "api/services.hpp"
 
 namespace divemesh::api {
@@ -19,6 +20,10 @@ Awaitable<void> use_up_one_shot(Request request, Services services);
 
 // Throws Error{Forbidden}, which names the scope, if the token lacks it.
 void require_scope(const Token& token, const std::string& scope);
+
+// Throws Error{Forbidden} for the token of a sharing link unless the request reads the result of
+// the job that it shares.
+void require_shared(const Token& token, const Request& request, const Route& route);
 
 // Returns the project whose objects a token sees; "" means all projects (admin).
 std::string visible_project(const Token& token);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "api/rate_limiter.hpp"
+#include "api/share_visits.hpp"
 #include "api/token_cache.hpp"
 #include "api/uploads/hash_cache.hpp"
 #include "api/uploads/upload_locks.hpp"
@@ -43,6 +44,8 @@ struct ServiceLimits {
     std::chrono::seconds hsts{0};  // how long browsers use nothing but TLS; 0: not stated
     std::vector<std::string> allowed_origins;  // of other pages that may use this server
     AllowedNetworks webhook_networks;          // private networks that webhooks may reach
+    AllowedNetworks trusted_proxies;           // whose X-Forwarded-For is believed
+    std::string public_url;  // that clients use, without a slash at its end; "": not stated
 };
 
 // What handlers may use. All of it outlives every connection and is thread-safe.
@@ -55,6 +58,7 @@ struct Services {
     storage::QueueForecast& forecast;
     KeysInFlight& keys;
     TokenCache& tokens;
+    ShareVisits& share_visits;
     RateLimiter& rates;          // by token
     RateLimiter& failed_logins;  // by address
     Metrics& metrics;
