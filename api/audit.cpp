@@ -2,14 +2,17 @@
 
 #include <nlohmann/json.hpp>
 
+#include "api/in_pool.hpp"
 #include "schemas/log.hpp"
 #include "storage/event_store.hpp"
 
 namespace divemesh::api {
 namespace {
 
-Event event_of(const Request& request, std::optional<std::int64_t> uploaded_bytes) {
-    Event event{.topic = "audit", .subject = request.token.id, .type = "audit.write"};
+Event event_of(const Request& request,
+               std::optional<std::int64_t> uploaded_bytes,
+               const std::string& type = "audit.write") {
+    Event event{.topic = "audit", .subject = request.token.id, .type = type};
     event.data = {{"token", request.token.id},
                   {"token_name", request.token.name},
                   {"token_project", request.token.project},
@@ -35,6 +38,16 @@ storage::Catalog with_event(const storage::Catalog& catalog, Event event) {
     });
 }
 
+// Writes the event of something that has happened already.
+void write_after(const Services& services, const Event& event) {
+    try {
+        services.catalog.transaction(
+            [&](soci::session& session) { storage::EventStore::append(session, event); });
+    } catch (const std::exception& error) {
+        log_error({{"event", "audit_not_written"}, {"what", error.what()}, {"data", event.data}});
+    }
+}
+
 }  // namespace
 
 storage::Catalog audited(const Services& services,
@@ -54,13 +67,17 @@ void append_audit_event(soci::session& session, const std::string& who, const st
 }
 
 void audit_uploaded(const Services& services, const Request& request, std::int64_t num_bytes) {
-    const Event event = event_of(request, num_bytes);
-    try {
-        services.catalog.transaction(
-            [&](soci::session& session) { storage::EventStore::append(session, event); });
-    } catch (const std::exception& error) {
-        log_error({{"event", "audit_not_written"}, {"what", error.what()}, {"data", event.data}});
-    }
+    write_after(services, event_of(request, num_bytes));
+}
+
+Awaitable<void> audit_visit(Request request, Services services) {
+    if (request.token.shared_job.empty() ||
+        !services.share_visits.is_new(request.token.id, request.peer))
+        co_return;
+    auto work = [services, event = event_of(request, std::nullopt, "audit.visit")] {
+        write_after(services, event);
+    };
+    co_await in_pool(services.pool, std::move(work));
 }
 
 }  // namespace divemesh::api

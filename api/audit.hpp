@@ -18,6 +18,10 @@ storage::Catalog audited(const storage::Catalog& catalog,
                          const std::string& who,
                          const std::string& what);
 
+// Writes an audit event when an address begins to use the sharing link of the request: one for all
+// it reads within ten minutes. Logs an event that cannot be written. Does nothing for other tokens.
+Awaitable<void> audit_visit(Request request, Services services);
+
 // Writes the audit event inside a transaction that is under way.
 void append_audit_event(soci::session& session, const std::string& who, const std::string& what);
 

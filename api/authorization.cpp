@@ -1,5 +1,6 @@
 #include "api/authorization.hpp"
 
+#include <algorithm>
 #include <boost/beast/core/string.hpp>
 
 #include "api/browser_session.hpp"
@@ -25,6 +26,14 @@ void refuse_other_pages(const Request& request, const ServiceLimits& limits) {
                     "pages of this origin are not allowed to change anything: start the server "
                     "with --allow-origin to allow it");
 }
+
+// What a sharing link opens, of its own job and that job's dive.
+constexpr std::string_view kSharedPaths[] = {"/api/v1/jobs/{job_id}",
+                                             "/api/v1/jobs/{job_id}/artifacts",
+                                             "/api/v1/jobs/{job_id}/artifacts/{artifact_name...}",
+                                             "/api/v1/jobs/{job_id}/artifacts.zip",
+                                             "/api/v1/dives/{dive_id}",
+                                             "/api/v1/dives/{dive_id}/thumbnail.jpg"};
 
 Token administrator() {
     Token token;
@@ -123,6 +132,21 @@ Awaitable<void> use_up_one_shot(Request request, Services services) {
 void require_scope(const Token& token, const std::string& scope) {
     if (scope != kAnyToken && !token.allows(scope))
         throw Error(ErrorCode::Forbidden, "this token does not have the scope " + scope);
+}
+
+void require_shared(const Token& token, const Request& request, const Route& route) {
+    if (token.shared_job.empty() || route.path == kSessionPath) return;
+    const auto names = [&request](std::string_view word, const std::string& id) {
+        const auto found = request.parameters.find(word);
+        return found == request.parameters.end() || found->second == id;
+    };
+    const bool is_open = route.method == verb::get &&
+                         std::find(std::begin(kSharedPaths), std::end(kSharedPaths), route.path) !=
+                             std::end(kSharedPaths) &&
+                         names("job_id", token.shared_job) && names("dive_id", token.shared_dive);
+    if (!is_open)
+        throw Error(ErrorCode::Forbidden,
+                    "a sharing link only opens the result of its job: use a token");
 }
 
 std::string visible_project(const Token& token) {

@@ -30,6 +30,10 @@ Awaitable<void> use_up_one_shot(Request request, Services services);
 // Throws Error{Forbidden}, which names the scope, if the token lacks it. Every token has kAnyToken.
 void require_scope(const Token& token, const std::string& scope);
 
+// Throws Error{Forbidden} for the token of a sharing link unless the request reads the result of
+// the job that it shares.
+void require_shared(const Token& token, const Request& request, const Route& route);
+
 // Returns the project whose objects a token sees; "" means all projects (admin).
 std::string visible_project(const Token& token);
 

@@ -108,8 +108,7 @@ void set_session_cookie(const Request& request,
                         Response& response) {
     const auto age =
         secret.empty() ? std::chrono::seconds(0) : std::chrono::seconds(storage::kSessionLifetime);
-    const bool is_secure =
-        limits.tls || boost::beast::iequals(request.header("x-forwarded-proto"), "https");
+    const bool is_secure = limits.tls || request.is_https;
     response.set("Set-Cookie",
                  std::string(kCookie) + "=" + secret +
                      "; Path=/; Max-Age=" + std::to_string(age.count()) +

@@ -8,6 +8,14 @@
 namespace divemesh::api {
 namespace {
 
+constexpr std::string_view kGzip = "-gzip\"";
+
+// The tag of a compressed answer names the same state.
+std::string without_coding(std::string_view tag) {
+    if (!tag.ends_with(kGzip)) return std::string(tag);
+    return std::string(tag.substr(0, tag.size() - kGzip.size())) + '"';
+}
+
 bool lists(std::string_view list, std::string_view etag, bool weakly) {
     for (std::size_t start = 0; start <= list.size();) {
         const auto end = std::min(list.find(',', start), list.size());
@@ -16,7 +24,7 @@ bool lists(std::string_view list, std::string_view etag, bool weakly) {
         while (!tag.empty() && tag.front() == ' ') tag.remove_prefix(1);
         while (!tag.empty() && tag.back() == ' ') tag.remove_suffix(1);
         if (weakly && tag.starts_with("W/")) tag.remove_prefix(2);
-        if (!tag.empty() && (tag == etag || tag == "*")) return true;
+        if (!tag.empty() && (without_coding(tag) == etag || tag == "*")) return true;
     }
     return false;
 }
@@ -30,6 +38,10 @@ bool has_header(const Response& response, std::string_view name) {
 }  // namespace
 
 std::string etag_of(std::string_view body) { return '"' + sha256_hex(body).substr(0, 32) + '"'; }
+
+std::string gzip_etag(std::string_view etag) {
+    return std::string(etag.substr(0, etag.size() - 1)).append(kGzip);
+}
 
 bool matches_etag(std::string_view list, std::string_view etag) { return lists(list, etag, true); }
 

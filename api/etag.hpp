@@ -10,6 +10,10 @@ namespace divemesh::api {
 // Returns the strong tag of a representation's exact bytes.
 std::string etag_of(std::string_view body);
 
+// Returns the tag of the same representation, compressed. Where a tag is compared with `etag`
+// below, the two are the same.
+std::string gzip_etag(std::string_view etag);
+
 // Returns whether a list of tags (If-None-Match) contains `etag`, compared weakly; "*" contains
 // every tag.
 bool matches_etag(std::string_view list, std::string_view etag);

@@ -14,6 +14,7 @@
 #include <variant>
 #include <vector>
 
+#include "api/body_source.hpp"
 #include "api/body_stream.hpp"
 #include "schemas/token.hpp"
 #include "storage/blob_store.hpp"
@@ -38,8 +39,9 @@ struct Request {
     std::string body;
     Token token;  // the caller's; without a scope on routes that need no scope
     std::string id;
-    std::string trace_id;  // of a valid traceparent (W3C Trace Context); "" without one
-    std::string peer;      // address of the other end of the connection
+    std::string trace_id;   // of a valid traceparent (W3C Trace Context); "" without one
+    std::string peer;       // address of the client, as a trusted proxy states it
+    bool is_https = false;  // as the client sees it
 
     std::string header(std::string_view lower_case_name) const;  // "" if it is missing
     bool has_header(std::string_view lower_case_name) const;
@@ -51,6 +53,11 @@ struct FilePart {
     std::shared_ptr<storage::BlobReader> reader;
     std::int64_t offset = 0;
     std::int64_t length = 0;
+};
+
+// A body whose length is not known before its end. The server reads it once.
+struct StreamedBody {
+    std::shared_ptr<BodySource> source;
 };
 
 // Turns the connection into a WebSocket that carries events after `since` of `project` ("": all),
@@ -75,7 +82,7 @@ struct Route;
 struct Response {
     http::status status = http::status::ok;
     std::vector<std::pair<std::string, std::string>> headers;
-    std::variant<std::string, FilePart, EventFeed, SensorStream> body = {};
+    std::variant<std::string, FilePart, StreamedBody, EventFeed, SensorStream> body = {};
 
     // For log and metrics, set by dispatch; null and "" if there is no route or no token.
     const Route* route = nullptr;

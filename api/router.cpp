@@ -5,6 +5,7 @@
 
 #include "api/audit.hpp"
 #include "api/authorization.hpp"
+#include "api/content_coding.hpp"
 #include "api/cors.hpp"
 #include "api/disk_reserve.hpp"
 #include "api/error_response.hpp"
@@ -12,6 +13,7 @@
 #include "api/field_values.hpp"
 #include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
+#include "api/public_url.hpp"
 #include "api/query_parameters.hpp"
 #include "api/target.hpp"
 #include "schemas/error.hpp"
@@ -144,6 +146,23 @@ std::optional<Response> refuse_coding(const Request& request) {
     return response;
 }
 
+// Answers a form, which people new to this send, with the command that does what they want.
+void refuse_form(const Request& request, const ServiceLimits& limits) {
+    if (media_type_of(request.header("content-type")) != "multipart/form-data") return;
+    const std::string scheme = request.is_https ? "https://" : "http://";
+    const std::string server =
+        limits.public_url.empty() ? scheme + request.header("host") : limits.public_url;
+    throw Error(
+        ErrorCode::Unsupported,
+        "forms are not read: send an archive of a dive with divemesh upload dive.zip "
+        "--server " +
+            server +
+            ", or with curl -H \"Authorization: Bearer $TOKEN\" -H \"Tus-Resumable: 1.0.0\" "
+            "-H \"Upload-Length: $(stat -c %s dive.zip)\" -H \"Upload-Metadata: commit\" "
+            "-H \"Content-Type: application/offset+octet-stream\" --data-binary @dive.zip " +
+            server + std::string(kUploadsPath));
+}
+
 // Returns the response that needs no handler: to preflights, and to addresses and origins that are
 // refused.
 std::optional<Response> answer_at_the_door(const Request& request,
@@ -155,14 +174,16 @@ std::optional<Response> answer_at_the_door(const Request& request,
         throw Error(ErrorCode::Forbidden,
                     "pages of this origin are not allowed to connect: start the server with "
                     "--allow-origin to allow it");
+    refuse_form(request, limits);
     return refuse_coding(request);
 }
 
 Awaitable<Token> admit(Request request, Services services, const Route* route) {
-    Token token = co_await identify(std::move(request), services, route->kind);
+    Token token = co_await identify(request, services, route->kind);
     if (!services.rates.allow(token.id))
         throw TooOften("too many requests with this token: wait a while",
                        services.rates.advice("token"));
+    require_shared(token, request, *route);
     require_scope(token, std::string(route->scope));
     co_return token;
 }
@@ -175,6 +196,7 @@ void add_common_headers(const Request& request, const Services& services, Respon
     if (services.limits.hsts.count() > 0)
         response.set("Strict-Transport-Security",
                      "max-age=" + std::to_string(services.limits.hsts.count()));
+    publish_addresses(services.limits, response);
     add_cors(request, services.limits, response);
     add_etag(request, response);
 }
@@ -241,8 +263,10 @@ Awaitable<Response> dispatch(Request request, Services services) {
             require_known_query(request, *route);
             if (is_whole(route->kind)) request.body = co_await read_body(request.stream);
             response = co_await answer(request, services, *route);
-            if (http::to_status_class(response.status) < http::status_class::client_error)
+            if (http::to_status_class(response.status) < http::status_class::client_error) {
                 co_await use_up_one_shot(request, services);
+                co_await audit_visit(request, services);
+            }
         }
     } catch (...) {
         failure = std::current_exception();
@@ -257,7 +281,7 @@ Awaitable<Response> dispatch(Request request, Services services) {
         co_await in_pool(services.pool, std::move(audit));
     }
     add_common_headers(request, services, response);
-    co_return response;
+    co_return co_await with_content_coding(request, services, std::move(response));
 }
 
 }  // namespace divemesh::api

@@ -4,6 +4,7 @@
 
 #include "api/handlers/artifacts.hpp"
 #include "api/handlers/commands.hpp"
+#include "api/handlers/dive_edits.hpp"
 #include "api/handlers/dive_removal.hpp"
 #include "api/handlers/dives.hpp"
 #include "api/handlers/events.hpp"
@@ -19,6 +20,7 @@
 #include "api/handlers/schedules.hpp"
 #include "api/handlers/sensors.hpp"
 #include "api/handlers/sessions.hpp"
+#include "api/handlers/shares.hpp"
 #include "api/handlers/tokens.hpp"
 #include "api/handlers/truth.hpp"
 #include "api/handlers/uploads.hpp"
@@ -44,6 +46,7 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/api/v1/dives",                  "dives:read",  list_dives},
     {Plain,      verb::post,    "/api/v1/dives",                  "dives:write", create_dive},
     {Plain,      verb::get,     "/api/v1/dives/{dive_id}",        "dives:read",  get_dive},
+    {Plain,      verb::patch,   "/api/v1/dives/{dive_id}",        "dives:write", edit_dive},
     {Plain,      verb::delete_, "/api/v1/dives/{dive_id}",        "dives:write", delete_dive},
     {Plain,      verb::post,    "/api/v1/dives/{dive_id}/restore",       "dives:write", restore_dive},
     {Plain,      verb::get,     "/api/v1/dives/{dive_id}/findings",      "dives:read", list_findings},
@@ -55,6 +58,7 @@ constexpr Route kRoutes[] = {
     {File,       verb::get,     "/api/v1/dives/{dive_id}/truth/{truth_id}/content", "dives:read", get_truth_content},
 
     {Plain,      verb::get,     "/api/v1/metrics",                "dives:read",  get_metric_series},
+    {Plain,      verb::get,     "/api/v1/metrics/names",          "dives:read",  list_metrics},
     {Plain,      verb::get,     "/api/v1/schedules",              "dives:read",  list_schedules},
     {Plain,      verb::post,    "/api/v1/schedules",              "jobs:write",  create_schedule},
     {Plain,      verb::get,     "/api/v1/schedules/{schedule_id}", "dives:read", get_schedule},
@@ -71,9 +75,13 @@ constexpr Route kRoutes[] = {
     {Plain,      verb::get,     "/api/v1/jobs/{job_id}/attempts", "dives:read",  list_attempts},
     {Plain,      verb::get,     "/api/v1/jobs/{job_id}/attempts/{attempt}/log",
                                                                   "dives:read",  get_attempt_log},
+    {File,       verb::get,     "/api/v1/jobs/{job_id}/artifacts.zip", "dives:read", get_artifacts_archive},
     {Plain,      verb::get,     "/api/v1/jobs/{job_id}/artifacts", "dives:read", list_artifacts},
     {File,       verb::get,     "/api/v1/jobs/{job_id}/artifacts/{artifact_name...}",
                                                                   "dives:read",  get_artifact},
+    {Plain,      verb::get,     "/api/v1/jobs/{job_id}/shares",   "dives:read",  list_shares},
+    {Secret,     verb::post,    "/api/v1/jobs/{job_id}/shares",   "jobs:write",  create_share},
+    {Plain,      verb::delete_, "/api/v1/jobs/{job_id}/shares/{share_id}", "jobs:write", withdraw_share},
 
     {Plain,      verb::get,     "/api/v1/queue",                  "dives:read",  get_queue},
     {Plain,      verb::patch,   "/api/v1/queue",                  "admin",       change_queue},

@@ -11,6 +11,7 @@
 
 #include "api/page_file.hpp"
 #include "api/rate_limiter.hpp"
+#include "api/share_visits.hpp"
 #include "api/token_cache.hpp"
 #include "api/uploads/hash_cache.hpp"
 #include "api/uploads/upload_locks.hpp"
@@ -47,6 +48,8 @@ struct ServiceLimits {
     std::vector<std::string> allowed_origins;  // of other pages that may use this server
     std::vector<std::string> frame_ancestors;  // origins whose pages may show ours in a frame
     AllowedNetworks webhook_networks;          // private networks that webhooks may reach
+    AllowedNetworks trusted_proxies;           // whose X-Forwarded-For is believed
+    std::string public_url;  // that clients use, without a slash at its end; "": not stated
 };
 
 // What handlers may use. All of it outlives every connection and is thread-safe.
@@ -59,6 +62,7 @@ struct Services {
     storage::QueueForecast& forecast;
     KeysInFlight& keys;
     TokenCache& tokens;
+    ShareVisits& share_visits;
     RateLimiter& rates;          // by token
     RateLimiter& failed_logins;  // by address
     Metrics& metrics;

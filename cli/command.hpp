@@ -27,6 +27,7 @@ void add_jobs(CLI::App& app, Context& context);
 void add_download(CLI::App& app, Context& context);
 void add_cancel(CLI::App& app, Context& context);
 void add_retry(CLI::App& app, Context& context);
+void add_share(CLI::App& app, Context& context);
 void add_queue(CLI::App& app, Context& context);
 void add_workers(CLI::App& app, Context& context);
 void add_schedules(CLI::App& app, Context& context);

@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <sstream>
 
 #include "cli/command.hpp"
 #include "cli/exit_code.hpp"
@@ -20,7 +21,9 @@ struct DivesOptions {
     std::string dive_id;
     std::string site;
     std::string state;
-    int newest = 0;  // 0: all, the oldest first
+    int newest = 0;                     // 0: all, the oldest first
+    std::vector<std::string> edits;     // name=value
+    std::vector<std::string> recorded;  // names
 };
 
 int list_dives(client::RestClient& rest, const DivesOptions& options, const Context& context) {
@@ -57,8 +60,49 @@ std::string truth_text(const TruthFile& file) {
            (file.problem.empty() ? "" : "; not used, it cannot be read: " + file.problem) + '\n';
 }
 
+// Returns {"latitude_deg": ..., "longitude_deg": ...} of "54.1,8.2".
+nlohmann::json parse_position(const std::string& text) {
+    double latitude_deg = 0.0;
+    double longitude_deg = 0.0;
+    int end = 0;
+    if (std::sscanf(text.c_str(), "%lf,%lf%n", &latitude_deg, &longitude_deg, &end) != 2 ||
+        static_cast<std::size_t>(end) != text.size())
+        throw Error(ErrorCode::InvalidArgument,
+                    "--edit position=" + text + ": write latitude,longitude in degrees: 54.1,-8.2");
+    return {{"latitude_deg", latitude_deg}, {"longitude_deg", longitude_deg}};
+}
+
+nlohmann::json parse_tags(const std::string& text) {
+    nlohmann::json tags = nlohmann::json::array();
+    std::istringstream list(text);
+    for (std::string tag; std::getline(list, tag, ',');) tags.push_back(tag);
+    return tags;
+}
+
+// Returns the merge patch of --edit and --recorded.
+nlohmann::json edit_of(const DivesOptions& options) {
+    nlohmann::json patch = nlohmann::json::object();
+    for (const std::string& edit : options.edits) {
+        const auto equals = edit.find('=');
+        if (equals == std::string::npos)
+            throw Error(ErrorCode::InvalidArgument, "--edit " + edit + ": write field=value");
+        const std::string name = edit.substr(0, equals);
+        const std::string value = edit.substr(equals + 1);
+        if (name == "position")
+            patch[name] = parse_position(value);
+        else if (name == "tags")
+            patch[name] = parse_tags(value);
+        else
+            patch[name] = value;
+    }
+    for (const std::string& name : options.recorded) patch[name] = nullptr;
+    return patch;
+}
+
 int show_dive(client::RestClient& rest, const DivesOptions& options, const Context& context) {
     const std::string path = client::dive_path(options.dive_id);
+    const nlohmann::json edit = edit_of(options);
+    if (!edit.empty()) rest.patch(path, edit);
     auto dive = rest.get(path);
     const auto findings = rest.list(path + "/findings", {});
     const auto truth = rest.list(path + "/truth", {});
@@ -85,6 +129,18 @@ void add_dives(CLI::App& app, Context& context) {
     command->add_option(
         "--state", options->state, "list only dives in this state: checking, ready or refused");
     add_newest(*command, options->newest);
+    command
+        ->add_option("--edit",
+                     options->edits,
+                     "edit the dive: name=, site=, rig=, tags=a,b, notes= or "
+                     "position=latitude,longitude (may be repeated); the recording stays as it is")
+        ->allow_extra_args(false);
+    command
+        ->add_option("--recorded",
+                     options->recorded,
+                     "take the recording's own value of this field again (may be repeated)")
+        ->allow_extra_args(false)
+        ->check(CLI::IsMember({"name", "site", "rig", "tags", "notes", "position"}));
     command->callback([options, &context] {
         context.command = [options, &context] {
             client::RestClient rest(account_of(options->server));

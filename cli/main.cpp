@@ -60,7 +60,7 @@ int run(int argc, char** argv) {
                            add_measure, add_simulate, add_import, add_calibrate,
                            add_serve, add_worker, add_attempt, add_token, add_backup, add_restore,
                            add_sensor, add_upload, add_dives, add_jobs, add_download, add_cancel,
-                           add_retry, add_queue, add_workers, add_schedules})
+                           add_retry, add_share, add_queue, add_workers, add_schedules})
         add(app, context);
     // clang-format on
     name_variables(app);

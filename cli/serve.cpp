@@ -60,6 +60,8 @@ void add_serve(CLI::App& app, Context& context) {
     command->add_option("--max-connections", options->config.max_connections, "max open connections; a quarter of them are kept for clients with a valid token")->capture_default_str()->check(CLI::Range(16, 1'000'000));
     command->add_option("--max-address-connections", options->config.max_address_connections, "max open connections of one address (IPv6: of one /64 network), loopback excepted; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
     command->add_option("--proxy-network", options->config.many_client_networks, "network without that limit, because many clients come from one address there: 10.1.0.5, 10.1.0.0/16 (may be repeated)");
+    command->add_option("--trusted-proxy", options->config.trusted_proxies, "proxy that is believed who its client is (Forwarded, X-Forwarded-For, X-Forwarded-Proto), without that limit too: 127.0.0.1, 10.1.0.0/16 (may be repeated)");
+    command->add_option("--public-url", options->config.public_url, "address that clients use, e.g. behind a proxy: https://lab.example/dives");
     command->add_option("--max-rate", options->config.max_requests_per_s, "max requests per second of one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
     command->add_option("--keep-deleted-days", options->keep_deleted_days, "days in which a deleted dive or result can be restored")->capture_default_str()->check(CLI::Range(0, 3650));
     command->add_flag("--no-auth", options->config.no_auth, "allow everything without a token; only on loopback");

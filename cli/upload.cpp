@@ -85,12 +85,39 @@ std::chrono::milliseconds milliseconds_of(double seconds) {
     return std::chrono::milliseconds(static_cast<std::int64_t>(seconds * 1000.0));
 }
 
-client::UploadState state_of(const client::Account& account, const HashedSource& source) {
-    return {client::default_state_folder(), account.server.url(), source.hashes.archive_sha256};
+// Returns the id of the server's data, the same under another address; "" of an older server.
+std::string id_of_server(client::RestClient& rest, client::Backoff& backoff) {
+    try {
+        return backoff.until_done([&rest] { return rest.get("/api/v1/info"); })
+            .value("data_id", "");
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::NotFound && error.code() != ErrorCode::Forbidden) throw;
+        return "";
+    }
+}
+
+// Returns what is remembered of this server. An upload that an earlier version began is remembered
+// by the server's address.
+client::UploadState state_of(client::RestClient& rest,
+                             const HashedSource& source,
+                             client::Backoff& backoff) {
+    const std::string& archive = source.hashes.archive_sha256;
+    const auto folder = client::default_state_folder();
+    const client::UploadState by_address(folder, rest.account().server.url(), archive);
+    const std::string id = id_of_server(rest, backoff);
+    if (id.empty()) return by_address;
+    const client::UploadState state(folder, id, archive);
+    const client::RememberedUpload begun = by_address.load();
+    if (state.load() == client::RememberedUpload{} && begun != client::RememberedUpload{}) {
+        state.save(begun);
+        by_address.forget();
+    }
+    return state;
 }
 
 std::string send(const client::Account& account,
                  HashedSource& source,
+                 const client::UploadState& state,
                  const UploadOptions& options,
                  ProgressBar& bar) {
     std::map<std::string, std::string> metadata = {{"filename", source.filename},
@@ -108,8 +135,8 @@ std::string send(const client::Account& account,
     settings.give_up_after = account.give_up_after;
     settings.stall = milliseconds_of(options.stall_timeout_s);
     settings.num_parts = options.parallel;
-    const auto upload_path = client::upload_by_tus(
-        account, *source.bytes, metadata, state_of(account, source), observer, settings);
+    const auto upload_path =
+        client::upload_by_tus(account, *source.bytes, metadata, state, observer, settings);
     return upload_path.substr(upload_path.rfind('/') + 1);
 }
 
@@ -141,9 +168,9 @@ Dive send_and_make(client::RestClient& rest,
                    const UploadOptions& options,
                    client::Backoff& backoff,
                    ProgressBar& bar) {
-    const client::UploadState state = state_of(rest.account(), source);
+    const client::UploadState state = state_of(rest, source, backoff);
     for (bool again = false;; again = true) {
-        const auto upload_id = send(rest.account(), source, options, bar);
+        const auto upload_id = send(rest.account(), source, state, options, bar);
         backoff.moved();
         try {
             Dive dive = make_dive(rest, upload_id, source.bytes->size_bytes(), backoff);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,7 +16,14 @@ enum class DiveState { Checking, Ready, Refused };
 std::string_view to_string(DiveState state);
 DiveState dive_state_from_string(std::string_view text);  // throws Error{InvalidArgument}
 
-// One recording by one rig, as the catalog stores it. Times are unix milliseconds (wall clock).
+// Where a dive was, WGS 84.
+struct DivePosition {
+    double latitude_deg = 0.0;
+    double longitude_deg = 0.0;
+};
+
+// One recording by one rig, as the catalog stores it. Name, site, rig, tags, notes and position are
+// the recording's, or what people have edited. Times are unix milliseconds (wall clock).
 struct Dive {
     std::string id;  // made by the server
     std::string project;
@@ -23,6 +32,10 @@ struct Dive {
     std::string site;
     std::string rig;  // from dive.json, like the site
     std::vector<std::string> tags;
+    std::string notes;
+    std::optional<DivePosition> position;
+    // The recording's own values of what was edited, by the names of the fields.
+    nlohmann::json recorded = nlohmann::json::object();
     std::string archive_sha256;  // of the bytes that were uploaded
     std::string content_sha256;  // same for zip and tar; "" until the client or intake sets it
     std::int64_t archive_bytes = 0;

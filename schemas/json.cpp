@@ -18,6 +18,15 @@ void from_json(const nlohmann::json& json, Finding& finding) {
     json.at("remedy").get_to(finding.remedy);
 }
 
+void to_json(nlohmann::json& json, const DivePosition& position) {
+    json = {{"latitude_deg", position.latitude_deg}, {"longitude_deg", position.longitude_deg}};
+}
+
+void from_json(const nlohmann::json& json, DivePosition& position) {
+    json.at("latitude_deg").get_to(position.latitude_deg);
+    json.at("longitude_deg").get_to(position.longitude_deg);
+}
+
 void to_json(nlohmann::json& json, const Dive& dive) {
     json = {{"id", dive.id},
             {"project", dive.project},
@@ -26,6 +35,9 @@ void to_json(nlohmann::json& json, const Dive& dive) {
             {"site", dive.site},
             {"rig", dive.rig},
             {"tags", dive.tags},
+            {"notes", dive.notes},
+            {"position", nullptr},
+            {"recorded", dive.recorded},
             {"archive_sha256", dive.archive_sha256},
             {"content_sha256", dive.content_sha256},
             {"archive_bytes", dive.archive_bytes},
@@ -35,6 +47,7 @@ void to_json(nlohmann::json& json, const Dive& dive) {
             {"created_at_ms", dive.created_at_ms},
             {"deleted_at_ms", dive.deleted_at_ms},
             {"expires_at_ms", dive.expires_at_ms}};
+    if (dive.position) json["position"] = *dive.position;
 }
 
 void from_json(const nlohmann::json& json, Dive& dive) {
@@ -45,6 +58,11 @@ void from_json(const nlohmann::json& json, Dive& dive) {
     json.at("site").get_to(dive.site);
     json.at("rig").get_to(dive.rig);
     json.at("tags").get_to(dive.tags);
+    // Older servers do not send these.
+    dive.notes = json.value("notes", "");
+    if (json.contains("position") && !json["position"].is_null())
+        dive.position = json["position"].get<DivePosition>();
+    dive.recorded = json.value("recorded", nlohmann::json::object());
     json.at("archive_sha256").get_to(dive.archive_sha256);
     json.at("content_sha256").get_to(dive.content_sha256);
     json.at("archive_bytes").get_to(dive.archive_bytes);
@@ -106,16 +124,34 @@ void from_json(const nlohmann::json& json, Event& event) {
     event.data = json.at("data");
 }
 
+void to_json(nlohmann::json& json, const KnownMetric& metric) {
+    json = {{"name", metric.name},
+            {"unit", metric.unit},
+            {"better", to_string(metric.better)},
+            {"method", metric.method}};
+}
+
 void to_json(nlohmann::json& json, const Token& token) {
     json = {{"id", token.id},
             {"name", token.name},
             {"project", token.project},
             {"scopes", token.scopes},
             {"sensor", token.sensor},
+            {"shared_job", token.shared_job},
             {"created_at_ms", token.created_at_ms},
             {"last_used_at_ms", token.last_used_at_ms},
             {"expires_at_ms", token.expires_at_ms},
             {"revoked", token.revoked}};
+}
+
+void to_json(nlohmann::json& json, const Share& share) {
+    json = {{"id", share.id},
+            {"job_id", share.job_id},
+            {"name", share.name},
+            {"created_at_ms", share.created_at_ms},
+            {"last_used_at_ms", share.last_used_at_ms},
+            {"expires_at_ms", share.expires_at_ms},
+            {"withdrawn", share.withdrawn}};
 }
 
 void to_json(nlohmann::json& json, const Webhook& webhook) {

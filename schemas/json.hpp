@@ -7,9 +7,11 @@
 #include "schemas/event.hpp"
 #include "schemas/finding.hpp"
 #include "schemas/job.hpp"
+#include "schemas/known_metric.hpp"
 #include "schemas/measurement.hpp"
 #include "schemas/queue.hpp"
 #include "schemas/schedule.hpp"
+#include "schemas/share.hpp"
 #include "schemas/token.hpp"
 #include "schemas/truth_file.hpp"
 #include "schemas/upload.hpp"
@@ -23,6 +25,8 @@ namespace divemesh {
 
 void to_json(nlohmann::json& json, const Finding& finding);
 void from_json(const nlohmann::json& json, Finding& finding);
+void to_json(nlohmann::json& json, const DivePosition& position);
+void from_json(const nlohmann::json& json, DivePosition& position);
 void to_json(nlohmann::json& json, const Dive& dive);
 void from_json(const nlohmann::json& json, Dive& dive);
 void to_json(nlohmann::json& json, const Upload& upload);
@@ -53,12 +57,14 @@ void from_json(const nlohmann::json& json, Regression& regression);
 void to_json(nlohmann::json& json, const Measurement& measured);
 void from_json(const nlohmann::json& json, Measurement& measured);
 void to_json(nlohmann::json& json, const MetricPoint& point);
+void to_json(nlohmann::json& json, const KnownMetric& metric);
 void to_json(nlohmann::json& json, const Schedule& schedule);
 void from_json(const nlohmann::json& json, Schedule& schedule);
 void to_json(nlohmann::json& json, const Artifact& artifact);
 void from_json(const nlohmann::json& json, Artifact& artifact);
 void to_json(nlohmann::json& json, const Event& event);
 void from_json(const nlohmann::json& json, Event& event);
+void to_json(nlohmann::json& json, const Share& share);
 void to_json(nlohmann::json& json, const Token& token);      // never the hash
 void to_json(nlohmann::json& json, const Webhook& webhook);  // never the secret
 void to_json(nlohmann::json& json, const WebhookDelivery& delivery);

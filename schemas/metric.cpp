@@ -8,6 +8,7 @@
 
 #include "schemas/embedded_schemas.hpp"
 #include "schemas/error.hpp"
+#include "schemas/known_metric.hpp"
 #include "schemas/num_edits.hpp"
 
 namespace divemesh {
@@ -265,6 +266,13 @@ std::vector<std::string> known_metric_names() {
     std::vector<std::string> names;
     for (const auto& [name, description] : descriptions()) names.push_back(name);
     return names;
+}
+
+std::vector<KnownMetric> known_metrics() {
+    std::vector<KnownMetric> known;
+    for (const auto& [name, description] : descriptions())
+        known.push_back({name, description.unit, better_value(name), description.method});
+    return known;
 }
 
 std::string resolve_metric(std::string_view text) {

@@ -28,6 +28,8 @@ struct Token {
     std::string project;
     std::vector<std::string> scopes;  // of kScopes
     std::string sensor;               // the only sensor it may push for; "" without sensor:push
+    std::string shared_job;           // a sharing link: the only job that it may read; "": any
+    std::string shared_dive;          // the dive of that job
     std::string secret_sha256;
     std::int64_t created_at_ms = 0;
     std::int64_t last_used_at_ms = 0;  // 0: never

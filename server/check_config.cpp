@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <unistd.h>
 
+#include "api/public_url.hpp"
 #include "api/webhook_target.hpp"
 #include "schemas/error.hpp"
 #include "server/listen_address.hpp"
@@ -41,6 +42,8 @@ void check_config(const ServerConfig& config) {
     static_cast<void>(TlsCertificate(config.tls_certificate, config.tls_key));
     static_cast<void>(api::AllowedNetworks(config.webhook_networks));
     static_cast<void>(api::AllowedNetworks(config.many_client_networks));
+    static_cast<void>(api::AllowedNetworks(config.trusted_proxies));
+    api::checked_public_url(config.public_url);
     if (config.hsts.count() > 0 && config.tls_certificate.empty())
         throw Error(ErrorCode::InvalidArgument,
                     "--hsts-days is only for TLS: give --tls-cert and --tls-key, or leave it out");

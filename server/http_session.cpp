@@ -9,6 +9,7 @@
 #include "api/router.hpp"
 #include "schemas/log.hpp"
 #include "server/event_socket.hpp"
+#include "server/forwarded.hpp"
 #include "server/request_body.hpp"
 #include "server/request_head.hpp"
 #include "server/response_writer.hpp"
@@ -50,7 +51,8 @@ std::string trace_id(const std::string& traceparent) {
     return traceparent.substr(3, 32);
 }
 
-api::Request to_request(const std::shared_ptr<RequestBody>& body) {
+api::Request to_request(const std::shared_ptr<RequestBody>& body,
+                        const api::ServiceLimits& limits) {
     api::Request request;
     request.stream = body;
     request.method = body->message().method();
@@ -66,6 +68,8 @@ api::Request to_request(const std::shared_ptr<RequestBody>& body) {
     request.id = request_id(request.header("x-request-id"));
     request.trace_id = trace_id(request.header("traceparent"));
     request.peer = body->peer();
+    request.is_https = body->is_over_tls();
+    believe_proxies(request, limits.trusted_proxies);
     return request;
 }
 
@@ -76,6 +80,7 @@ void log_request(const api::Request& request, const api::Response& response, Clo
                            {"method", std::string(http::to_string(request.method))},
                            {"path", request.target.substr(0, request.target.find('?'))},
                            {"status", static_cast<int>(response.status)},
+                           {"peer", request.peer},
                            {"ms", ms.count()}};
     if (!request.trace_id.empty()) line["trace_id"] = request.trace_id;
     if (!response.token_id.empty()) line["token"] = response.token_id;
@@ -134,7 +139,7 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
     const auto began = Clock::now();
     connection->set_serving(true);
     connection->on_stop = [body] { body->stop(); };
-    const api::Request request = to_request(body);
+    const api::Request request = to_request(body, context.services.limits);
     auto answered = refuse_head(*body, request);
     const bool is_framed = !answered;
     if (is_framed) answered = co_await api::dispatch(request, context.services);
@@ -154,8 +159,10 @@ asio::awaitable<bool> serve_request(std::shared_ptr<Connection> connection,
     connection->on_stop = nullptr;
     const bool keep_alive =
         is_framed && body->message().keep_alive() && body->is_done() && !connection->stopping;
-    const WriteOptions options{
-        context.timeouts.write, keep_alive, request.method == http::verb::head};
+    const WriteOptions options{context.timeouts.write,
+                               keep_alive,
+                               request.method == http::verb::head,
+                               body->message().version() >= 11};
     const bool written =
         co_await write_response(connection, std::move(response), context.services, options);
     connection->set_serving(false);

@@ -67,6 +67,8 @@ asio::awaitable<beast::error_code> RequestBody::skip_empty_line() {
     }
 }
 
+bool RequestBody::is_over_tls() const { return connection_->stream.tls() != nullptr; }
+
 std::string RequestBody::peer() const {
     beast::error_code gone;
     const auto endpoint = connection_->stream.socket().remote_endpoint(gone);

@@ -25,7 +25,8 @@ public:
     boost::asio::awaitable<boost::beast::error_code> read_header();
     const Message& message() const { return parser_.get(); }
     bool is_done() const { return parser_.is_done(); }  // the next request may follow
-    std::string peer() const;                           // the client's address
+    bool is_over_tls() const;
+    std::string peer() const;  // the client's address
     std::int64_t received_bytes() const { return received_bytes_; }
 
     std::optional<std::uint64_t> content_length() const;  // as received

@@ -3,15 +3,18 @@
 #include <boost/asio/as_tuple.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
+#include <boost/beast/http/chunk_encode.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/string_body.hpp>
 #include <boost/beast/http/write.hpp>
 #include <cerrno>
 #include <ctime>
+#include <optional>
 #include <sys/sendfile.h>
 #include <vector>
 
 #include "api/in_pool.hpp"
+#include "api/metrics.hpp"
 #include "api/token_watch.hpp"
 #include "schemas/log.hpp"
 
@@ -122,6 +125,66 @@ asio::awaitable<bool> write_file(std::shared_ptr<Connection> connection,
     co_return true;
 }
 
+// Returns the size of the next part, 0 at the end; nullopt if it cannot be made.
+asio::awaitable<std::optional<std::size_t>> read_part(std::shared_ptr<api::BodySource> source,
+                                                      api::Services services,
+                                                      std::span<char> bytes) {
+    std::optional<std::size_t> size;
+    try {
+        auto read = [source, bytes] { return source->read(bytes); };
+        size = co_await api::in_pool(services.pool, std::move(read));
+    } catch (const std::exception& error) {
+        log_warning({{"event", "body_not_made"}, {"what", error.what()}});
+    }
+    co_return size;
+}
+
+asio::awaitable<bool> write_part(std::shared_ptr<Connection> connection,
+                                 asio::const_buffer part,
+                                 bool chunked) {
+    if (!chunked) {
+        const auto [error, n] = co_await asio::async_write(connection->stream, part, kAwaitErrors);
+        co_return !error;
+    }
+    const auto chunk = http::make_chunk(part);
+    const auto [error, n] = co_await asio::async_write(connection->stream, chunk, kAwaitErrors);
+    co_return !error;
+}
+
+// A body that cannot be completed has no last chunk, so the client sees that it is cut off.
+// HTTP/1.0 knows no chunks: there the end of the connection is its end.
+asio::awaitable<bool> write_stream(std::shared_ptr<Connection> connection,
+                                   api::Response response,
+                                   api::Services services,
+                                   WriteOptions options) {
+    const auto source = std::get<api::StreamedBody>(response.body).source;
+    auto message = header_of<http::empty_body>(response, options.keep_alive && options.chunked);
+    message.chunked(options.chunked);
+    http::response_serializer<http::empty_body> serializer(message);
+    connection->stream.expires_after(options.timeout);
+    const auto [error, n] =
+        co_await http::async_write_header(connection->stream, serializer, kAwaitErrors);
+    if (error || options.head) co_return !error;
+    std::vector<char> bytes(kChunkBytes);
+    api::TokenWatch token(response.token_id);
+    for (;;) {
+        const bool is_valid = co_await token.is_valid_now(services);
+        if (!is_valid) co_return false;
+        const auto size = co_await read_part(source, services, bytes);
+        if (!size) co_return false;
+        connection->stream.expires_after(options.timeout);
+        if (*size == 0) break;
+        const asio::const_buffer part(bytes.data(), *size);
+        const bool sent = co_await write_part(connection, part, options.chunked);
+        if (!sent) co_return false;
+        services.metrics.sent_bytes += static_cast<std::int64_t>(*size);
+    }
+    if (!options.chunked) co_return false;
+    const auto end = http::make_chunk_last();
+    const auto [failure, sent] = co_await asio::async_write(connection->stream, end, kAwaitErrors);
+    co_return !failure;
+}
+
 }  // namespace
 
 asio::awaitable<bool> write_response(std::shared_ptr<Connection> connection,
@@ -130,6 +193,8 @@ asio::awaitable<bool> write_response(std::shared_ptr<Connection> connection,
                                      WriteOptions options) {
     if (std::holds_alternative<api::FilePart>(response.body))
         co_return co_await write_file(connection, std::move(response), services, options);
+    if (std::holds_alternative<api::StreamedBody>(response.body))
+        co_return co_await write_stream(connection, std::move(response), services, options);
     co_return co_await write_text(connection, std::move(response), options);
 }
 

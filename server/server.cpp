@@ -20,6 +20,7 @@
 #include "api/idempotency.hpp"
 #include "api/in_pool.hpp"
 #include "api/metrics.hpp"
+#include "api/public_url.hpp"
 #include "api/readiness.hpp"
 #include "api/sensors/report_queue.hpp"
 #include "api/uploads/import_dives.hpp"
@@ -89,13 +90,18 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     limits.allowed_origins = config.allowed_origins;
     limits.frame_ancestors = config.frame_ancestors;
     limits.webhook_networks = api::AllowedNetworks(config.webhook_networks);
+    limits.trusted_proxies = api::AllowedNetworks(config.trusted_proxies);
+    limits.public_url = api::checked_public_url(config.public_url);
     return limits;
 }
 
 ConnectionLimits connection_limits_of(const ServerConfig& config) {
+    std::vector<std::string> many_clients = config.many_client_networks;
+    many_clients.insert(
+        many_clients.end(), config.trusted_proxies.begin(), config.trusted_proxies.end());
     return {static_cast<std::size_t>(config.max_connections),
             static_cast<std::size_t>(config.max_address_connections),
-            api::AllowedNetworks(config.many_client_networks)};
+            api::AllowedNetworks(many_clients)};
 }
 
 // Tells the client the reason, as far as the socket's buffers take it without waiting.
@@ -163,10 +169,11 @@ struct Server::Implementation {
     }
 
     SessionContext context() {
-        api::Services services{catalog,          *blobs,    pool,    locks,          hashes,
-                               forecast,         keys,      tokens,  rates,          failed_logins,
-                               metrics,          readiness, reserve, reports,        sensor_hub,
-                               config.make_room, stopping,  limits,  config.no_auth, config.page};
+        api::Services services{
+            catalog,   *blobs,         pool,         locks,      hashes,           forecast,
+            keys,      tokens,         share_visits, rates,      failed_logins,    metrics,
+            readiness, reserve,        reports,      sensor_hub, config.make_room, stopping,
+            limits,    config.no_auth, config.page};
         return {services, events, config.timeouts};
     }
 
@@ -193,6 +200,7 @@ struct Server::Implementation {
     storage::QueueForecast forecast;
     api::KeysInFlight keys;
     api::TokenCache tokens;
+    api::ShareVisits share_visits;
     api::RateLimiter rates{config.max_requests_per_s, 2.0 * config.max_requests_per_s};
     api::RateLimiter failed_logins{config.max_failed_logins_per_s,
                                    100.0 * config.max_failed_logins_per_s};

@@ -55,6 +55,9 @@ struct ServerConfig {
     // Networks whose addresses stand for many clients each, such as a reverse proxy's: no limit per
     // address.
     std::vector<std::string> many_client_networks;
+    // Proxies that are believed who their client is; each stands for many clients.
+    std::vector<std::string> trusted_proxies;
+    std::string public_url;  // that clients use, e.g. https://lab.example/dives; "": not stated
     std::filesystem::path import_folder;  // whose dives are imported at the start; "": no import
     std::string import_project = "default";
     std::string import_preset;                  // of their reconstructions; "": no reconstruction

@@ -47,7 +47,8 @@ struct Outcome {
 };
 
 http::request<http::string_body> message_of(const storage::DueDelivery& due,
-                                            const api::WebhookTarget& target) {
+                                            const api::WebhookTarget& target,
+                                            const std::string& public_url) {
     const auto now_s = static_cast<std::int64_t>(std::time(nullptr));
     http::request<http::string_body> message(http::verb::post, target.path, 11);
     const bool v6 = target.host.find(':') != std::string::npos;
@@ -58,6 +59,7 @@ http::request<http::string_body> message_of(const storage::DueDelivery& due,
     message.set("webhook-id", due.id);
     message.set("webhook-timestamp", std::to_string(now_s));
     message.set("webhook-signature", api::webhook_signature(due.secret, due.id, now_s, due.body));
+    if (!public_url.empty()) message.set("divemesh-server", public_url);
     message.keep_alive(false);
     message.body() = due.body;
     message.prepare_payload();
@@ -93,7 +95,7 @@ asio::awaitable<int> send(storage::DueDelivery due,
                           asio::ssl::context* tls) {
     const auto executor = co_await asio::this_coro::executor;
     const api::WebhookTarget target = api::parse_webhook_url(due.url);
-    auto message = message_of(due, target);
+    auto message = message_of(due, target, services.limits.public_url);
     const Addresses found = co_await resolve_within(target.host, target.port, kResolveTimeout);
     check_addresses(found, target, services.limits.webhook_networks);
     api::client::Stream::Tls stream(executor, *tls);

@@ -90,6 +90,8 @@ void require_a_blob(Catalog& catalog, BlobStore& blobs) {
 
 bool has_data_id(Catalog& catalog) { return id_in(catalog).confirmed; }
 
+std::string data_id(Catalog& catalog) { return id_in(catalog).id; }
+
 void claim_data(Catalog& catalog, BlobStore& blobs) {
     const DataId known = id_in(catalog);
     const std::string found = blobs.data_id();

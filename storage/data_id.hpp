@@ -12,6 +12,9 @@ namespace divemesh::storage {
 // Returns whether the catalog has got its id, and with it its blob store.
 bool has_data_id(Catalog& catalog);
 
+// Returns the id that the catalog has; "" before it has one.
+std::string data_id(Catalog& catalog);
+
 // For the server, at its start: checks that the two belong together, after giving new data, and
 // data of an earlier version, their id. Throws Error{Conflict} if they do not.
 void claim_data(Catalog& catalog, BlobStore& blobs);

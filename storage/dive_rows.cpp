@@ -47,14 +47,20 @@ std::optional<Failure> refusal_by(const std::vector<Finding>& findings) {
     return Failure{.code = ErrorCode::BadData, .message = message};
 }
 
+std::string position_text(const Dive& dive) {
+    return dive.position ? to_text(*dive.position) : "null";
+}
+
 void write_intake(soci::session& session, const Dive& dive, const IntakeResult& result) {
     const std::string state(to_string(dive.state));
     const std::string tags = to_text(dive.tags);
     const std::string findings = to_text(result.findings);
+    const std::string position = position_text(dive);
     execute(session,
             "UPDATE dives SET state = :state, name = :name, site = :site, rig = :rig, tags = :tags,"
             " content_sha256 = :content, num_frames = :frames, duration_s = :duration,"
-            " findings = :findings, thumbnail_blob = :thumbnail WHERE id = :id",
+            " findings = :findings, thumbnail_blob = :thumbnail, notes = :notes,"
+            " position = :position WHERE id = :id",
             soci::use(state, "state"),
             soci::use(dive.name, "name"),
             soci::use(dive.site, "site"),
@@ -65,6 +71,8 @@ void write_intake(soci::session& session, const Dive& dive, const IntakeResult& 
             soci::use(dive.duration_s, "duration"),
             soci::use(findings, "findings"),
             soci::use(result.thumbnail_blob, "thumbnail"),
+            soci::use(dive.notes, "notes"),
+            soci::use(position, "position"),
             soci::use(dive.id, "id"));
 }
 
@@ -89,6 +97,9 @@ void DiveRow::define(soci::statement& statement) {
                    dive.site,
                    dive.rig,
                    tags,
+                   dive.notes,
+                   position,
+                   recorded,
                    dive.archive_sha256,
                    dive.content_sha256,
                    dive.archive_bytes,
@@ -105,6 +116,9 @@ Dive DiveRow::value() const {
     Dive value = dive;
     value.state = dive_state_from_string(state);
     value.tags = nlohmann::json::parse(tags).get<std::vector<std::string>>();
+    const auto place = nlohmann::json::parse(position);
+    if (!place.is_null()) value.position = place.get<DivePosition>();
+    value.recorded = nlohmann::json::parse(recorded);
     value.has_thumbnail = has_thumbnail != 0;
     return value;
 }
@@ -146,6 +160,24 @@ void append_dive_event(soci::session& session, const Dive& dive, const std::stri
         {.project = dive.project, .topic = "dive", .subject = dive.id, .type = type, .data = dive});
 }
 
+void write_description(soci::session& session, const Dive& dive) {
+    const std::string tags = to_text(dive.tags);
+    const std::string position = position_text(dive);
+    const std::string recorded = to_text(dive.recorded);
+    execute(session,
+            "UPDATE dives SET name = :name, site = :site, rig = :rig, tags = :tags,"
+            " notes = :notes, position = :position, recorded = :recorded WHERE id = :id",
+            soci::use(dive.name, "name"),
+            soci::use(dive.site, "site"),
+            soci::use(dive.rig, "rig"),
+            soci::use(tags, "tags"),
+            soci::use(dive.notes, "notes"),
+            soci::use(position, "position"),
+            soci::use(recorded, "recorded"),
+            soci::use(dive.id, "id"));
+    write_tags(session, dive);
+}
+
 IntakeVerdict apply_intake(soci::session& session,
                            const std::string& dive_id,
                            const IntakeResult& result) {
@@ -161,6 +193,8 @@ IntakeVerdict apply_intake(soci::session& session,
     dive.site = result.site;
     dive.rig = result.rig;
     dive.tags = result.tags;
+    dive.notes = result.notes;
+    dive.position = result.position;
     if (!result.content_sha256.sha256.empty()) dive.content_sha256 = result.content_sha256.sha256;
     dive.num_frames = result.num_frames;
     dive.duration_s = result.duration_s;

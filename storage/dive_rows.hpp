@@ -15,6 +15,8 @@ struct DiveRow {
     Dive dive;
     std::string state;
     std::string tags;
+    std::string position;
+    std::string recorded;
     int has_thumbnail = 0;
 
     void define(soci::statement& statement);
@@ -22,8 +24,8 @@ struct DiveRow {
 };
 
 inline constexpr const char* kDiveColumns =
-    "id, project, state, name, site, rig, tags, archive_sha256, content_sha256, archive_bytes, "
-    "blob,"
+    "id, project, state, name, site, rig, tags, notes, position, recorded, archive_sha256,"
+    " content_sha256, archive_bytes, blob,"
     " num_frames, duration_s, CASE WHEN thumbnail_blob = '' THEN 0 ELSE 1 END, created_at_ms,"
     " deleted_at_ms, expires_at_ms";
 
@@ -41,6 +43,9 @@ std::optional<Dive> find_recording(soci::session& session,
 
 // Appends an event of the dive, with the dive as its data.
 void append_dive_event(soci::session& session, const Dive& dive, const std::string& type);
+
+// Writes what people may edit of a dive, and what the recording says of it.
+void write_description(soci::session& session, const Dive& dive);
 
 // The decision of intake about a dive, with the reason of a refusal.
 struct IntakeVerdict {

@@ -72,6 +72,22 @@ Dive insert_dive(soci::session& session, const NewDive& request) {
     return dive;
 }
 
+// Returns the dive with the merge patch applied. A value that is the recording's own is no edit.
+Dive edited(const Dive& dive, const nlohmann::json& patch) {
+    nlohmann::json shown = dive;
+    nlohmann::json& recorded = shown["recorded"];
+    for (const auto& [name, value] : patch.items()) {
+        const nlohmann::json own = recorded.value(name, shown[name]);
+        const bool is_own = value.is_null() || value == own;
+        recorded[name] = own;
+        shown[name] = is_own ? own : value;
+        if (is_own) recorded.erase(name);
+    }
+    Dive changed = shown.get<Dive>();
+    changed.blob = dive.blob;
+    return changed;
+}
+
 // Returns the reconstruction requested with the upload. An existing one will do, unless it did not
 // succeed.
 std::string ensure_reconstruction(soci::session& session,
@@ -163,6 +179,22 @@ std::vector<Finding> DiveStore::findings(const std::string& id) {
         findings = nlohmann::json::parse(*text).get<std::vector<Finding>>();
     });
     return findings;
+}
+
+Dive DiveStore::edit(const std::string& id, const nlohmann::json& patch) {
+    Dive dive;
+    catalog_.transaction([&](soci::session& session) {
+        dive = read_dive(session, id);
+        if (dive.deleted_at_ms > 0)
+            throw Error(ErrorCode::Conflict, "dive " + id + " is deleted: restore it first");
+        if (dive.state == DiveState::Checking)
+            throw Error(ErrorCode::Conflict,
+                        "dive " + id + " is being checked: edit it once it is ready or refused");
+        dive = edited(dive, patch);
+        write_description(session, dive);
+        append_dive_event(session, dive, "dive.edited");
+    });
+    return dive;
 }
 
 std::string DiveStore::thumbnail_blob(const std::string& id) {

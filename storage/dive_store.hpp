@@ -46,6 +46,8 @@ struct IntakeResult {
     std::string site;
     std::string rig;
     std::vector<std::string> tags;
+    std::string notes;
+    std::optional<DivePosition> position;
     ContentHash content_sha256;
     std::int64_t num_frames = 0;
     double duration_s = 0.0;
@@ -72,6 +74,10 @@ public:
     Dive get(const std::string& id);  // throws Error{NotFound}
     Page<Dive> list(const DiveFilter& filter, const PageRequest& page);
     std::vector<Finding> findings(const std::string& id);
+    // Applies a merge patch (RFC 7396) to the description of a dive. What it sets to null is the
+    // recording's again. Throws Error{NotFound}; Error{Conflict} while the intake reads the dive
+    // and for a deleted dive.
+    Dive edit(const std::string& id, const nlohmann::json& patch);
     std::string thumbnail_blob(const std::string& id);  // throws Error{NotFound} if it has none
 
 private:

@@ -16,10 +16,15 @@ constexpr std::size_t kMaxNameBytes = 100;
 constexpr std::size_t kMaxPathBytes = 2048;
 constexpr std::chrono::hours kMaxLifetime{24 * 3660};
 
-#define TOKEN_COLUMNS                                                                   \
-    "id, name, project, scopes, sensor, secret_sha256, created_at_ms, last_used_at_ms," \
-    " expires_at_ms, revoked"
-#define IS_VALID "revoked = 0 AND (expires_at_ms = 0 OR expires_at_ms > :now)"
+#define TOKEN_COLUMNS                                                                      \
+    "id, name, project, scopes, sensor, shared_job,"                                       \
+    " COALESCE((SELECT dive_id FROM jobs WHERE jobs.id = shared_job), ''), secret_sha256," \
+    " created_at_ms, last_used_at_ms, expires_at_ms, revoked"
+// A sharing link is valid as long as nobody has deleted what it opens.
+#define IS_VALID                                                                           \
+    "revoked = 0 AND (expires_at_ms = 0 OR expires_at_ms > :now) AND (shared_job = '' OR " \
+    "EXISTS (SELECT 1 FROM jobs JOIN dives ON dives.id = jobs.dive_id WHERE jobs.id = "    \
+    "shared_job AND jobs.deleted_at_ms = 0 AND dives.deleted_at_ms = 0))"
 
 bool is_known(const std::string& scope) {
     return std::find(kScopes.begin(), kScopes.end(), scope) != kScopes.end();
@@ -38,6 +43,8 @@ struct TokenRow {
                        token.project,
                        scopes,
                        token.sensor,
+                       token.shared_job,
+                       token.shared_dive,
                        token.secret_sha256,
                        token.created_at_ms,
                        token.last_used_at_ms,
@@ -240,8 +247,8 @@ bool TokenStore::empty() {
     int usable = 0;
     catalog_.read([&](soci::session& session) {
         const std::int64_t now_ms = Catalog::now_ms(session);
-        session << "SELECT COUNT(*) FROM tokens WHERE " IS_VALID, soci::use(now_ms, "now"),
-            soci::into(usable);
+        session << "SELECT COUNT(*) FROM tokens WHERE shared_job = '' AND " IS_VALID,
+            soci::use(now_ms, "now"), soci::into(usable);
     });
     return usable == 0;
 }

@@ -50,7 +50,7 @@ public:
     std::optional<Token> get_valid(const std::string& id);
     std::vector<Token> list();
     void revoke(const std::string& id);  // throws Error{NotFound}
-    bool empty();                        // true: no token is valid
+    bool empty();                        // true: no token is valid; sharing links do not count
 
     // Returns a one-shot token, which is not stored if the owner has no id (authentication is off).
     OneShotToken create_one_shot(const Token& owner,

@@ -52,6 +52,7 @@ private:
     storage::QueueForecast forecast_;
     api::KeysInFlight keys_;
     api::TokenCache tokens_;
+    api::ShareVisits share_visits_;
     api::RateLimiter rates_{0.0, 0.0};
     api::Metrics metrics_;
     api::Readiness readiness_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <limits>
 
 #include "schemas/error.hpp"
 
@@ -9,6 +10,7 @@ namespace divemesh::api::client {
 namespace {
 
 const std::string kUploadsPath = "/api/v1/uploads";
+constexpr std::int64_t kMinPieceBytes = std::int64_t{16} << 10;
 
 // Throws the error of a refused request. 409 means another offset than expected, 423 that an older
 // request still holds the upload, 507 that the disk is full: these are worth a retry, because an
@@ -101,6 +103,7 @@ private:
 
     void send_chunk() {
         const std::int64_t start = *offset_;
+        const std::int64_t left = source_.size_bytes() - start;
         HttpRequest patch = tus_request(context_.account,
                                         "PATCH",
                                         path_,
@@ -109,7 +112,7 @@ private:
         BodyRange body;
         body.source = &source_;
         body.offset = start;
-        body.length = std::min(context_.settings.chunk_bytes, source_.size_bytes() - start);
+        body.length = std::min({context_.settings.chunk_bytes, max_piece_bytes_, left});
         if (context_.settings.max_bytes_per_s > 0.0)  // several a second: silence is a broken link
             body.write_bytes =
                 static_cast<std::size_t>(std::clamp(context_.settings.max_bytes_per_s / 8.0,
@@ -130,10 +133,35 @@ private:
             offset_.reset();
             return;
         }
+        if (is_refused_by_proxy(response)) {
+            send_smaller_than(body.length);
+            return;
+        }
         if (response.status != 204) refuse(response);
         moved_to(offset_in(response));
         if (*offset_ <= start)
             throw Error(ErrorCode::Unavailable, "the server accepted no byte of the upload");
+    }
+
+    // The server's own refusals are problem+json.
+    static bool is_refused_by_proxy(const HttpResponse& response) {
+        return response.status == 413 &&
+               !response.header("content-type").starts_with("application/problem+json");
+    }
+
+    void send_smaller_than(std::int64_t refused_bytes) {
+        const std::string advice =
+            "allow bodies of any size there, with nginx by client_max_body_size 0";
+        const std::string what = "a proxy in front of the server refuses requests of " +
+                                 std::to_string(refused_bytes) + " bytes: ";
+        if (refused_bytes <= kMinPieceBytes) throw Error(ErrorCode::TooLarge, what + advice);
+        max_piece_bytes_ = std::max(refused_bytes / 4, kMinPieceBytes);
+        offset_.reset();  // the proxy closes the connection
+        if (observer_.on_wait)
+            observer_.on_wait(Error(ErrorCode::TooLarge,
+                                    what + "sending " + std::to_string(max_piece_bytes_) +
+                                        " at a time, which is slower; " + advice),
+                              std::chrono::milliseconds(0));
     }
 
     void moved_to(std::int64_t offset) {
@@ -161,7 +189,9 @@ private:
     Backoff backoff_;
     std::string path_;  // "": to be created
     std::int64_t highest_offset_ = 0;
-    std::optional<std::int64_t> offset_;  // nullopt: the server has to be asked
+    std::int64_t max_piece_bytes_ =
+        std::numeric_limits<std::int64_t>::max();  // that a proxy lets by
+    std::optional<std::int64_t> offset_;           // nullopt: the server has to be asked
 };
 
 }  // namespace

@@ -41,9 +41,9 @@ void write_durably(const std::filesystem::path& path, const std::string& text) {
 }  // namespace
 
 UploadState::UploadState(const std::filesystem::path& folder,
-                         const std::string& server_url,
+                         const std::string& server,
                          const std::string& archive_sha256)
-    : file_(folder / ("upload-" + sha256_hex(server_url + "\n" + archive_sha256) + ".json")) {}
+    : file_(folder / ("upload-" + sha256_hex(server + "\n" + archive_sha256) + ".json")) {}
 
 RememberedUpload UploadState::load() const {
     std::ifstream stream(file_);

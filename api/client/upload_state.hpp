@@ -16,11 +16,12 @@ struct RememberedUpload {
 };
 
 // Remembers on this machine which upload sends a dive, so that a client resumes it after a kill or
-// a power cut. One small file per server and archive in `folder`, durable before save() returns.
+// a power cut. One small file per server, by its id or address, and archive in `folder`, durable
+// before save() returns.
 class UploadState {
 public:
     UploadState(const std::filesystem::path& folder,
-                const std::string& server_url,
+                const std::string& server,
                 const std::string& archive_sha256);
 
     RememberedUpload load() const;  // empty if the file is missing or unreadable

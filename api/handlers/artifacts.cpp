@@ -1,5 +1,8 @@
 #include "api/handlers/artifacts.hpp"
 
+#include <algorithm>
+#include <sstream>
+
 #include "api/byte_range.hpp"
 #include "api/error_response.hpp"
 #include "api/etag.hpp"
@@ -7,6 +10,7 @@
 #include "api/in_pool.hpp"
 #include "api/uploads/upload_metadata.hpp"
 #include "api/visible.hpp"
+#include "api/zip_source.hpp"
 #include "schemas/artifact.hpp"
 #include "storage/dive_store.hpp"
 #include "storage/job_store.hpp"
@@ -18,17 +22,22 @@ namespace {
 constexpr std::string_view kAskEachTime = "private, no-cache";
 constexpr std::string_view kForEver = "private, max-age=31536000, immutable";  // RFC 8246
 
+// A report has its style and its images in itself, and nothing that runs: that it may show.
+constexpr std::string_view kReportPolicy =
+    "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:";
+
 struct StoredFile {
     std::string name;
     std::string media_type;
     std::string etag;
     std::string sha256;  // "": unknown
     std::string_view freshness = kAskEachTime;
+    bool is_report = false;  // a page of ours that people read in the browser
     std::shared_ptr<storage::BlobReader> reader;
 };
 
 // Returns whether a browser would run it or render it as a page: such a file is sent as a download,
-// in a sandbox.
+// in a sandbox. A report is shown.
 bool is_active(const std::string& media_type) {
     return media_type.starts_with("text/html") || media_type.find("svg") != std::string::npos ||
            media_type.find("xml") != std::string::npos;
@@ -41,9 +50,12 @@ void describe(Response& response, const StoredFile& file) {
     if (!file.sha256.empty()) response.set("Repr-Digest", digest_field(file.sha256));
     response.set("Content-Type", file.media_type);
     const bool active = is_active(file.media_type);
+    const bool shown = !active || file.is_report;
     response.set("Content-Disposition",
-                 content_disposition(active ? "attachment" : "inline", file.name));
-    if (active) response.set("Content-Security-Policy", "sandbox; default-src 'none'");
+                 content_disposition(shown ? "inline" : "attachment", file.name));
+    if (active)
+        response.set("Content-Security-Policy",
+                     file.is_report ? std::string(kReportPolicy) : "sandbox; default-src 'none'");
 }
 
 // Returns Cache-Control. With ?sha256= an address always means the same bytes; without it the bytes
@@ -111,10 +123,51 @@ Awaitable<Response> get_artifact(Request request, Services services) {
                           '"' + artifact.sha256 + '"',
                           artifact.sha256,
                           freshness,
+                          artifact.name == "report.html",
                           services.blobs.open(artifact.blob)};
     };
     const StoredFile file = co_await in_pool(services.pool, std::move(work));
     co_return file_response(request, file);
+}
+
+namespace {
+
+// Returns the artifacts that ?names= lists, all without it. Throws Error{NotFound} for another
+// name.
+std::vector<Artifact> chosen_artifacts(const Request& request, std::vector<Artifact> all) {
+    if (!request.query.contains("names")) return all;
+    std::vector<Artifact> chosen;
+    std::istringstream names(query_value(request, "names"));
+    for (std::string name; std::getline(names, name, ',');) {
+        const auto is_it = [&name](const Artifact& artifact) { return artifact.name == name; };
+        const auto found = std::find_if(all.begin(), all.end(), is_it);
+        if (found == all.end()) throw Error(ErrorCode::NotFound, "the job has no artifact " + name);
+        if (std::none_of(chosen.begin(), chosen.end(), is_it)) chosen.push_back(*found);
+    }
+    return chosen;
+}
+
+}  // namespace
+
+Awaitable<Response> get_artifacts_archive(Request request, Services services) {
+    auto work = [services, request]() -> std::shared_ptr<BodySource> {
+        const Job job = visible_job(request, services.catalog);
+        std::vector<ZippedFile> files;
+        for (const Artifact& artifact :
+             chosen_artifacts(request, storage::JobStore(services.catalog).artifacts(job.id)))
+            files.push_back({artifact.name, artifact.blob, artifact.size_bytes});
+        if (files.empty())
+            throw Error(ErrorCode::NotFound, "job " + job.id + " has no artifacts to pack");
+        return zip_source(services.blobs, std::move(files), job.finished_at_ms / 1000);
+    };
+    auto source = co_await in_pool(services.pool, std::move(work));
+    Response response = empty_response(http::status::ok);
+    response.set("Content-Type", "application/zip");
+    response.set("Cache-Control", std::string(kAskEachTime));
+    response.set("Content-Disposition",
+                 content_disposition("attachment", request.parameter("job_id") + ".zip"));
+    response.body = StreamedBody{std::move(source)};
+    co_return response;
 }
 
 // A dive has one thumbnail and keeps it: its key in the blob store is the tag.
@@ -127,6 +180,7 @@ Awaitable<Response> get_thumbnail(Request request, Services services) {
                           '"' + sha256_hex(blob).substr(0, 32) + '"',
                           "",
                           kAskEachTime,
+                          false,
                           services.blobs.open(blob)};
     };
     const StoredFile file = co_await in_pool(services.pool, std::move(work));
@@ -144,6 +198,7 @@ Awaitable<Response> get_truth_content(Request request, Services services) {
                           '"' + file.sha256 + '"',
                           file.sha256,
                           kAskEachTime,
+                          false,
                           services.blobs.open(file.blob)};
     };
     const StoredFile file = co_await in_pool(services.pool, std::move(work));

@@ -23,6 +23,7 @@ Awaitable<Response> delete_dive(Request request, Services services) {
         const auto keep = purge ? std::chrono::milliseconds(0) : services.limits.keep_deleted;
         Dive dive = storage::DiveRemoval(catalog).remove(seen.id, keep, unchanged);
         if (purge) remove_expired_dives(services);
+        services.tokens.clear();  // of sharing links
         return dive;
     };
     return change_resource(std::move(request), services, remove);

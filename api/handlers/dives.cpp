@@ -58,6 +58,16 @@ DiveRequest dive_request(const Request& request) {
     return wanted;
 }
 
+// Shows a sharing link nothing of what people note about a dive for themselves.
+Dive shown_dive(const Request& request, storage::Catalog& catalog) {
+    Dive dive = visible_dive(request, catalog);
+    if (request.token.shared_job.empty()) return dive;
+    dive.notes.clear();
+    dive.position.reset();
+    dive.recorded = nlohmann::json::object();
+    return dive;
+}
+
 }  // namespace
 
 Awaitable<Response> list_dives(Request request, Services services) {
@@ -100,7 +110,7 @@ Awaitable<Response> create_dive(Request request, Services services) {
 }
 
 Awaitable<Response> get_dive(Request request, Services services) {
-    return get_resource(std::move(request), services, visible_dive);
+    return get_resource(std::move(request), services, shown_dive);
 }
 
 Awaitable<Response> list_findings(Request request, Services services) {

@@ -9,6 +9,7 @@
 #include "api/uploads/upload_checksum.hpp"
 #include "schemas/option_range.hpp"
 #include "schemas/reconstruction_options.hpp"
+#include "storage/data_id.hpp"
 #include "storage/engine_name.hpp"
 
 namespace divemesh::api {
@@ -69,9 +70,11 @@ json options_of_kinds() {
 
 Awaitable<Response> get_info(Request, Services services) {
     const std::string engine = co_await read_nonblocking(services, storage::engine_name);
+    const std::string data_id = co_await read_nonblocking(services, storage::data_id);
     const json info = {
         {"version", DIVEMESH_VERSION},
         {"engine", engine},
+        {"data_id", data_id},
         {"tus", {{"extensions", kTusExtensions}, {"checksums", kChecksumAlgorithms}}},
         {"limits", limits_to_json(services.limits)}};
     co_return json_response(http::status::ok, info);

@@ -136,7 +136,12 @@ Awaitable<void> wait_for_change(Request request, Services services, std::chrono:
     }
 }
 
-Response text_response(std::string text) {
+// Returns the text from ?from= on; nothing beyond its end.
+Response text_response(const Request& request, std::string text) {
+    const auto from =
+        request.query.contains("from") ? parse_count(query_value(request, "from")) : 0;
+    if (!from) throw InvalidInput({{"from must be a number of bytes", "", "from"}});
+    text.erase(0, static_cast<std::size_t>(*from));
     Response response = empty_response(http::status::ok);
     response.body = std::move(text);
     response.set("Content-Type", "text/plain; charset=utf-8");
@@ -215,7 +220,7 @@ Awaitable<Response> get_job_log(Request request, Services services) {
     auto work = [services, request] {
         return storage::JobStore(services.catalog).log(visible_job(request, services.catalog).id);
     };
-    co_return text_response(co_await in_pool(services.pool, std::move(work)));
+    co_return text_response(request, co_await in_pool(services.pool, std::move(work)));
 }
 
 Awaitable<Response> list_attempts(Request request, Services services) {
@@ -230,7 +235,7 @@ Awaitable<Response> get_attempt_log(Request request, Services services) {
         const std::string id = visible_job(request, services.catalog).id;
         return storage::JobStore(services.catalog).log(id, attempt);
     };
-    co_return text_response(co_await in_pool(services.pool, std::move(work)));
+    co_return text_response(request, co_await in_pool(services.pool, std::move(work)));
 }
 
 Awaitable<Response> list_artifacts(Request request, Services services) {

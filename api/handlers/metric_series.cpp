@@ -2,6 +2,7 @@
 
 #include "api/authorization.hpp"
 #include "api/handlers/json_body.hpp"
+#include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
 #include "schemas/json.hpp"
 #include "schemas/metric.hpp"
@@ -49,6 +50,11 @@ Awaitable<Response> get_metric_series(Request request, Services services) {
                             {"unit", series.metric.unit},
                             {"method", series.metric.method}};
     co_return page_response(request, std::move(items), series.points.next_cursor, about);
+}
+
+Awaitable<Response> list_metrics(Request request, Services services) {
+    auto read = [](const Request&, storage::Catalog&) { return known_metrics(); };
+    return get_list(std::move(request), services, read);
 }
 
 }  // namespace divemesh::api

@@ -20,6 +20,7 @@ Awaitable<Response> delete_job(Request request, Services services) {
         storage::ResultRemoval(catalog).remove(
             id, purge ? std::chrono::milliseconds(0) : services.limits.keep_deleted);
         if (purge) remove_expired_results(services);
+        services.tokens.clear();  // of sharing links
         return shown_job(asked, services, services.catalog);
     };
     return change_resource(std::move(request), services, remove);

@@ -21,6 +21,8 @@ nlohmann::json session_json(const Token& token,
             {"name", token.name},
             {"project", token.project},
             {"scopes", token.scopes},
+            {"shared_job", token.shared_job},
+            {"shared_dive", token.shared_dive},
             {"expires_at_ms", expires_at_ms},
             {"csrf_token", csrf_token}};
 }

@@ -5,6 +5,7 @@
 #include "api/handlers/json_body.hpp"
 #include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
+#include "api/public_url.hpp"
 #include "api/router.hpp"
 #include "api/target.hpp"
 #include "schemas/json.hpp"
@@ -73,7 +74,10 @@ Awaitable<Response> create_one_shot_token(Request request, Services services) {
     };
     const auto made = co_await in_pool(services.pool, std::move(work));
     co_return secret_response(
-        {{"secret", made.secret}, {"path", made.path}, {"expires_at_ms", made.expires_at_ms}});
+        {{"secret", made.secret},
+         {"path", made.path},
+         {"url", public_address(services.limits, made.path + "?one_shot=" + made.secret)},
+         {"expires_at_ms", made.expires_at_ms}});
 }
 
 }  // namespace divemesh::api

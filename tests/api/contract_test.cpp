@@ -84,6 +84,7 @@ TEST(ContractTest, DescribesTheKeysThatOurTypesHave) {
     const std::pair<const char*, nlohmann::json> types[] = {{"Upload", Upload{}},
                                                             {"Dive", Dive{}},
                                                             {"Finding", Finding{}},
+                                                            {"KnownMetric", KnownMetric{}},
                                                             {"Progress", Progress{}},
                                                             {"Failure", Failure{}},
                                                             {"StageRun", StageRun{}},
@@ -96,6 +97,7 @@ TEST(ContractTest, DescribesTheKeysThatOurTypesHave) {
                                                             {"Worker", Worker{}},
                                                             {"Artifact", Artifact{}},
                                                             {"Event", Event{}},
+                                                            {"Share", Share{}},
                                                             {"Token", Token{}},
                                                             {"Webhook", Webhook{}},
                                                             {"WebhookDelivery", WebhookDelivery{}}};

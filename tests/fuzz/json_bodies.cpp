@@ -9,6 +9,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     static PortlessService service;
     static const std::pair<api::verb, std::string> requests[] = {
         {api::verb::post, "/api/v1/dives"},
+        {api::verb::patch, "/api/v1/dives/" + service.dive_id()},
         {api::verb::post, "/api/v1/dives/" + service.dive_id() + "/jobs"},
         {api::verb::patch, "/api/v1/jobs/" + service.job_id()},
         {api::verb::patch, "/api/v1/queue"},
@@ -18,6 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         {api::verb::post, "/api/v1/one_shot_tokens"},
         {api::verb::post, "/api/v1/webhooks"},
         {api::verb::post, "/api/v1/sensors/fuzz/status"},
+        {api::verb::post, "/api/v1/jobs/" + service.job_id() + "/shares"},
     };
     fuzz::Input input(data, size);
     api::Request request;

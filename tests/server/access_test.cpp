@@ -41,12 +41,15 @@ std::optional<std::string> filled_path(std::string_view pattern,
 Headers any_headers(const api::Route& route) {
     const bool bytes =
         route.method == api::verb::patch && route.path.find("uploads") != std::string_view::npos;
-    return {{"Tus-Resumable", "1.0.0"},
-            {"Upload-Offset", "0"},
-            {"If-Match", "*"},
-            {"Idempotency-Key", "\"access-test\""},
-            {"Range", "bytes=0-0"},
-            {"Content-Type", bytes ? "application/offset+octet-stream" : "application/json"}};
+    Headers headers = {
+        {"Tus-Resumable", "1.0.0"},
+        {"Upload-Offset", "0"},
+        {"If-Match", "*"},
+        {"Range", "bytes=0-0"},
+        {"Content-Type", bytes ? "application/offset+octet-stream" : "application/json"}};
+    if (route.kind != api::RouteKind::Secret)
+        headers.emplace_back("Idempotency-Key", "\"access-test\"");
+    return headers;
 }
 
 std::string any_body(const api::Route& route) {
@@ -146,6 +149,7 @@ protected:
             {"attempt", "1"},
             {"artifact_name...", "metrics.json"},
             {"truth_id", make_truth(dive)},
+            {"share_id", made("/api/v1/jobs/" + job + "/shares", json::object())},
             {"schedule_id", made("/api/v1/schedules", {{"cron", "0 4 * * *"}, {"tag", "reef"}})},
             {"sensor_id", "buoy"},
             {"preview_id", asked("/api/v1/sensors/buoy/previews")["items"].at(0)["id"].dump()},

@@ -128,6 +128,8 @@ protected:
              [this] { return terminate(create_upload(server.port(), token, 4)); }},
             {"POST /api/v1/dives",
              [this] { return ask("POST", "/api/v1/dives", {{"upload_id", whole_upload()}}); }},
+            {"PATCH /api/v1/dives/{dive_id}",
+             [this] { return ask("PATCH", new_dive(), {{"site", "Reef 3"}}); }},
             {"DELETE /api/v1/dives/{dive_id}", [this] { return ask("DELETE", new_dive()); }},
             {"POST /api/v1/dives/{dive_id}/restore",
              [this] { return ask("POST", deleted_dive() + "/restore"); }},
@@ -150,6 +152,12 @@ protected:
                  const std::string job = cancelled_job();
                  ask("DELETE", job);
                  return ask("POST", job + "/restore");
+             }},
+            {"POST /api/v1/jobs/{job_id}/shares", [this] { return ask("POST", job_with_result_ + "/shares"); }},
+            {"DELETE /api/v1/jobs/{job_id}/shares/{share_id}",
+             [this] {
+                 const std::string shares = job_with_result_ + "/shares";
+                 return ask("DELETE", shares + "/" + ask("POST", shares).json()["id"].get<std::string>());
              }},
             {"PATCH /api/v1/queue",
              [this] { return ask("PATCH", "/api/v1/queue", {{"max_running", 3}}); }},
@@ -180,12 +188,15 @@ private:
     // All of them before the first job: to make one takes what is queued.
     std::vector<std::string> make_dives() {
         std::vector<std::string> dives;
-        constexpr int kNumDives = 18;  // at least one for each new_dive() of changes()
+        constexpr int kNumDives = 19;  // at least one for each new_dive() of changes()
         for (int i = 0; i < kNumDives; ++i)
             dives.push_back(server.make_dive("default", sha256_hex(std::to_string(i))));
         return dives;
     }
 
+    // Before any job is queued: to make one takes what is queued.
+    const std::string job_with_result_ =
+        "/api/v1/jobs/" + server.make_job("default", "report.html", "<p>");
     std::vector<std::string> dives_ = make_dives();
     int num_made_ = 0;
 };

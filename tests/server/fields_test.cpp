@@ -45,6 +45,7 @@ TEST_F(FieldsTest, EveryListAndObjectThatSaysSoTakesThem) {
     const auto dive = "/api/v1/dives/" + get(job).json()["dive_id"].get<std::string>();
     storage::WorkerStore(server.catalog()).report("boat:1", 1);
     const auto webhook = "/api/v1/webhooks/" + new_webhook();
+    EXPECT_EQ(server.post_json(job + "/shares", token, {{"name", "reviewers"}}).status, 201);
     server.request("DELETE", dive, token, {{"If-Match", "*"}});  // leaves a delivery
     const std::pair<std::string, Keys> objects[] = {
         {create_upload(server.port(), token, 10), {"id", "offset_bytes"}},
@@ -56,6 +57,7 @@ TEST_F(FieldsTest, EveryListAndObjectThatSaysSoTakesThem) {
                                                   {job + "/attempts?", {"number", "state"}},
                                                   {job + "/artifacts?", {"name", "sha256"}},
                                                   {"/api/v1/workers?", {"alive", "name"}},
+                                                  {job + "/shares?", {"id", "withdrawn"}},
                                                   {"/api/v1/tokens?", {"id", "scopes"}},
                                                   {"/api/v1/webhooks?", {"id", "url"}},
                                                   {webhook + "/deliveries?", {"id", "state"}}};

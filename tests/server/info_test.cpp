@@ -1,6 +1,7 @@
 // What a client asks before it sends work: the limits of the server and the options of a job.
 #include <gtest/gtest.h>
 
+#include <fstream>
 #include <map>
 
 #include "schemas/reconstruction_options.hpp"
@@ -10,6 +11,21 @@ namespace divemesh {
 namespace {
 
 using nlohmann::json;
+
+TEST(InfoTest, TheDataHaveAnIdWhateverTheServersAddress) {
+    const TemporaryFolder data;
+    const auto id_at_a_new_port = [&data] {
+        server::ServerConfig config;
+        config.data = data.path();
+        TestServer server(config);
+        std::string token;
+        std::ifstream(data.path() / "admin.token") >> token;
+        return server.request("GET", "/api/v1/info", token).json()["data_id"].get<std::string>();
+    };
+    const std::string id = id_at_a_new_port();
+    EXPECT_EQ(id.size(), 32U);
+    EXPECT_EQ(id_at_a_new_port(), id);
+}
 
 TEST(InfoTest, StatesTheLimitsThatHold) {
     server::ServerConfig config;

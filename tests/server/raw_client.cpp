@@ -86,16 +86,42 @@ std::optional<RawResponse> RawClient::receive_one(bool head) {
         line = line_end + 2;
     }
     received_.erase(0, end + 4);
+    if (response.header("transfer-encoding") == "chunked" && !head) {
+        auto body = receive_chunks();
+        if (!body) return std::nullopt;
+        response.body = std::move(*body);
+        return response;
+    }
     const std::string length = response.header("content-length");
     const std::size_t size = head || length.empty() ? 0 : std::stoul(length);
-    while (received_.size() < size) {
-        const std::string more = read_available();
-        if (more.empty()) return std::nullopt;
-        received_ += more;
-    }
+    if (!receive_bytes(size)) return std::nullopt;
     response.body = received_.substr(0, size);
     received_.erase(0, size);
     return response;
+}
+
+bool RawClient::receive_bytes(std::size_t size) {
+    while (received_.size() < size) {
+        const std::string more = read_available();
+        if (more.empty()) return false;
+        received_ += more;
+    }
+    return true;
+}
+
+// Without extensions and trailers, which the server does not send.
+std::optional<std::string> RawClient::receive_chunks() {
+    std::string body;
+    for (;;) {
+        std::size_t end = std::string::npos;
+        while ((end = received_.find("\r\n")) == std::string::npos)
+            if (!receive_bytes(received_.size() + 1)) return std::nullopt;
+        const std::size_t size = std::stoul(received_.substr(0, end), nullptr, 16);
+        if (!receive_bytes(end + 2 + size + 2)) return std::nullopt;
+        body += received_.substr(end + 2, size);
+        received_.erase(0, end + 2 + size + 2);
+        if (size == 0) return body;
+    }
 }
 
 // What the server takes it for (tus 1.0).

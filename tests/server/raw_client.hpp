@@ -47,6 +47,8 @@ public:
 
 private:
     std::optional<RawResponse> receive_one(bool head);
+    std::optional<std::string> receive_chunks();  // nullopt: the connection ended before
+    bool receive_bytes(std::size_t size);         // until `received_` has so many
 
     FileDescriptor socket_;
     std::string received_;

@@ -103,9 +103,39 @@ TEST_F(SessionTest, SigningInGivesACookieThatScriptsCannotRead) {
     EXPECT_NE(post_session(editor).header("set-cookie"), cookie);
 }
 
-TEST_F(SessionTest, TheCookieIsForTlsAloneBehindAProxyThatSpeaksIt) {
-    const auto response = post_session(editor, {{"X-Forwarded-Proto", "https"}});
+class SessionBehindProxyTest : public SessionTest {
+protected:
+    static server::ServerConfig proxied() {
+        server::ServerConfig config;
+        config.trusted_proxies = {"127.0.0.1"};
+        return config;
+    }
+    SessionBehindProxyTest() : SessionTest(proxied()) {}
+};
+
+TEST_F(SessionBehindProxyTest, TheCookieIsForTlsAloneIfTheProxySpeaksIt) {
+    const auto response =
+        post_session(editor, {{"X-Forwarded-For", "192.0.2.7"}, {"X-Forwarded-Proto", "https"}});
     EXPECT_TRUE(response.header("set-cookie").ends_with("; Secure"));
+}
+
+TEST_F(SessionTest, ASharingLinkOpensItsJobAloneUntilItIsWithdrawn) {
+    const std::string job_id = server.make_job("reef", "mesh.glb", "glTF");
+    const std::string job = "/api/v1/jobs/" + job_id;
+    const auto share = server.post_json(job + "/shares", editor, nlohmann::json::object()).json();
+    const Browser browser = sign_in(share["secret"]);
+
+    const auto who = ask(browser, "GET", kSession).json();
+    EXPECT_EQ(who["shared_job"], job_id);
+    EXPECT_EQ(ask(browser, "GET", job).status, 200);
+    EXPECT_EQ(ask(browser, "GET", job + "/artifacts/mesh.glb").body, "glTF");
+    EXPECT_EQ(ask(browser, "GET", "/api/v1/dives").status, 403);
+    EXPECT_EQ(change(browser, "POST", job + "/retry").status, 403);
+
+    const std::string id = share["id"];
+    EXPECT_EQ(server.request("DELETE", job + "/shares/" + id, editor, {{"If-Match", "*"}}).status,
+              204);
+    EXPECT_EQ(ask(browser, "GET", job).status, 401);
 }
 
 TEST_F(SessionTest, ACatalogHoldsNoSecretOfASession) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <random>
+#include <soci/soci.h>
 
 #include "schemas/content_hash.hpp"
 #include "storage/job_store.hpp"
@@ -77,18 +78,38 @@ std::string TestServer::make_job(const std::string& project,
     storage::JobStore jobs(*catalog_);
     const Job job = jobs.enqueue(wanted).job;
     const auto claim = jobs.claim("test:1", 60s);
-    const std::filesystem::path file = folder_ / "artifact";
-    std::ofstream(file, std::ios::binary) << bytes;
-    Artifact artifact{job.id,
-                      artifact_name,
-                      media_type_of(artifact_name),
-                      sha256_hex(bytes),
-                      static_cast<std::int64_t>(bytes.size()),
-                      "jobs/" + job.id + "/1/file"};
-    blobs_->put_file(artifact.blob, file);
+    const Artifact artifact = put_artifact(job.id, artifact_name, "file", bytes);
     jobs.append_log(claim->lease, "tracked 10 frames\n");
     jobs.succeed(claim->lease, {artifact});
     return job.id;
+}
+
+Artifact TestServer::put_artifact(const std::string& job_id,
+                                  const std::string& name,
+                                  const std::string& blob,
+                                  const std::string& bytes) {
+    const std::filesystem::path file = folder_ / "artifact";
+    std::ofstream(file, std::ios::binary) << bytes;
+    Artifact artifact{job_id,
+                      name,
+                      media_type_of(name),
+                      sha256_hex(bytes),
+                      static_cast<std::int64_t>(bytes.size()),
+                      "jobs/" + job_id + "/1/" + blob};
+    blobs_->put_file(artifact.blob, file);
+    return artifact;
+}
+
+void TestServer::add_artifact(const std::string& job_id,
+                              const std::string& name,
+                              const std::string& bytes) {
+    const Artifact artifact = put_artifact(job_id, name, sha256_hex(name).substr(0, 16), bytes);
+    catalog_->transaction([&](soci::session& session) {
+        session << "INSERT INTO artifacts (job_id, name, media_type, sha256, size_bytes, blob)"
+                   " VALUES (:job, :name, :type, :sha256, :size, :blob)",
+            soci::use(artifact.job_id), soci::use(artifact.name), soci::use(artifact.media_type),
+            soci::use(artifact.sha256), soci::use(artifact.size_bytes), soci::use(artifact.blob);
+    });
 }
 
 Headers tus_headers(const std::string& token, Headers more) {

@@ -4,6 +4,7 @@
 #include <string>
 #include <thread>
 
+#include "schemas/artifact.hpp"
 #include "server/server.hpp"
 #include "storage/blob_store.hpp"
 #include "storage/catalog.hpp"
@@ -47,9 +48,17 @@ public:
                          const std::string& artifact_name,
                          const std::string& bytes);
 
+    // Adds another artifact to such a job.
+    void add_artifact(const std::string& job_id, const std::string& name, const std::string& bytes);
+
     storage::Catalog& catalog() { return *catalog_; }
 
 private:
+    Artifact put_artifact(const std::string& job_id,
+                          const std::string& name,
+                          const std::string& blob,
+                          const std::string& bytes);
+
     TemporaryFolder folder_;
     std::unique_ptr<server::Server> server_;
     std::unique_ptr<storage::Catalog> catalog_;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <initializer_list>
 
+#include "schemas/known_metric.hpp"
 #include "worker/base/text.hpp"
 #include "worker/stats/median.hpp"
 #include "worker/stats/robust.hpp"
@@ -27,59 +27,6 @@ std::string missing_reason(const std::string& name) {
     if (name.starts_with("known_distances."))
         return "not available: it needs known distances with both ends seen";
     return "not available for this reconstruction";
-}
-
-enum class Better { More, Less, Neither };
-
-bool ends_with_any(const std::string& name, std::initializer_list<const char*> endings) {
-    return std::any_of(
-        endings.begin(), endings.end(), [&](const char* ending) { return name.ends_with(ending); });
-}
-
-bool contains_any(const std::string& name, std::initializer_list<const char*> words) {
-    return std::any_of(words.begin(), words.end(), [&](const char* word) {
-        return name.find(word) != std::string::npos;
-    });
-}
-
-// Properties of a dive (its length, its calibration, the number of keyframes) are not judged, and
-// its speed depends on the machine.
-Better better(const std::string& name) {
-    const std::string last = name.substr(name.rfind('.') + 1);
-    if (name.starts_with("speed.") || name.starts_with("calibration.")) return Better::Neither;
-    if (ends_with_any(last,
-                      {"coverage",
-                       "precision",
-                       "recall",
-                       "f1",
-                       "covered_share",
-                       "covered_share_of_matched",
-                       "share_20mm",
-                       "share_in_95",
-                       "share_3_views_or_more",
-                       "inlier_share",
-                       "num_frames_tracked",
-                       "num_measured",
-                       "num_accepted",
-                       "mean_tracked_features"}))
-        return Better::More;
-    if (contains_any(name, {"accuracy.", "completeness."}) && name.starts_with("surface."))
-        return last == "num_samples" ? Better::Neither : Better::Less;
-    return contains_any(last,
-                        {"error",
-                         "false_share",
-                         "ate_",
-                         "drift",
-                         "rms",
-                         "sigma",
-                         "bound",
-                         "expected_m",
-                         "disagreement",
-                         "num_degenerate_frames",
-                         "num_skipped_frames",
-                         "num_poses_outside"})
-               ? Better::Less
-               : Better::Neither;
 }
 
 }  // namespace
@@ -130,8 +77,8 @@ json find_regressions(const std::map<std::string, std::vector<double>>& history,
     for (const auto& [name, earlier] : history) {
         const Metric* metric = find(metrics, name);
         if (metric == nullptr || !metric->value || earlier.size() < kMinValues) continue;
-        const Better sense = better(name);
-        if (sense == Better::Neither) continue;
+        const BetterValue sense = better_value(name);
+        if (sense == BetterValue::None) continue;
         std::vector<double> sizes;  // an error may have either sign
         sizes.reserve(earlier.size());
         for (const double value : earlier) sizes.push_back(std::abs(value));
@@ -142,7 +89,7 @@ json find_regressions(const std::map<std::string, std::vector<double>>& history,
         for (const double value : sizes) deviations.push_back(std::abs(value - middle));
         const double allowed = std::max(kSigmas * stats::kSigmasPerMad * stats::median(deviations),
                                         kTolerated * middle);
-        const double sign = sense == Better::More ? -1.0 : 1.0;
+        const double sign = sense == BetterValue::Higher ? -1.0 : 1.0;
         if (sign * (size - middle) <= allowed) continue;
         regressions.push_back({{"figure", name},
                                {"value", size},

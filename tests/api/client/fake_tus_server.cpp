@@ -142,7 +142,8 @@ bool FakeTusServer::patch(int socket, const std::string& header, std::string& pe
         }
     }
     if (fault.status > 0) {
-        answer(socket, fault.status, "Connection: close\r\n");
+        const std::string type = fault.by_proxy ? "text/html" : "application/problem+json";
+        answer(socket, fault.status, "Connection: close\r\nContent-Type: " + type + "\r\n");
         return false;
     }
     const std::int64_t length = std::stoll(header_value(header, "Content-Length"));

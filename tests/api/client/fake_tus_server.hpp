@@ -19,6 +19,7 @@ public:
         int status = 0;               // > 0: the answer has this status and no bytes are stored
         std::int64_t cut_after = -1;  // >= 0: the connection ends after so many bytes of a body
         bool silent = false;          // the request is never answered
+        bool by_proxy = false;        // the answer is a page of a proxy
     };
 
     FakeTusServer();

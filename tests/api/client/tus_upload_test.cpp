@@ -114,6 +114,29 @@ TEST_F(TusUploadTest, DoesNotRepeatWhatTheServerRefuses) {
     EXPECT_EQ(num_waits, 0);
 }
 
+TEST_F(TusUploadTest, SendsSmallerPiecesThroughAProxyThatRefusesLargeOnes) {
+    std::string advice;
+    observer.on_wait = [&](const Error& reason, std::chrono::milliseconds) {
+        advice = reason.what();
+    };
+    server.script_patches({{413, -1, false, true}, {413, 0, false, true}});
+    EXPECT_EQ(upload(), "/api/v1/uploads/u1");
+    EXPECT_EQ(server.stored(), bytes);
+    EXPECT_NE(advice.find("client_max_body_size 0"), std::string::npos) << advice;
+    EXPECT_NE(advice.find("16384"), std::string::npos) << advice;
+}
+
+TEST_F(TusUploadTest, GivesUpOnAProxyThatLetsNothingBy) {
+    server.script_patches(std::deque<FakeTusServer::Fault>(3, {413, -1, false, true}));
+    try {
+        upload();
+        FAIL() << "the upload was accepted";
+    } catch (const Error& error) {
+        EXPECT_EQ(error.code(), ErrorCode::TooLarge);
+        EXPECT_NE(std::string(error.what()).find("client_max_body_size 0"), std::string::npos);
+    }
+}
+
 TEST_F(TusUploadTest, GivesUpWhenNothingGetsThrough) {
     settings.give_up_after = std::chrono::milliseconds(1);
     server.script_patches({{503, -1, false}});
