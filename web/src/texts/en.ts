@@ -348,7 +348,7 @@ export const texts = {
     none: "This job has no metrics.json.",
     verdict: "Verdict",
     expected: "Expected, from the dive itself",
-    expected_text: "From the covariance of the reconstruction; values are one standard deviation, bounds hold in 95 % of dives.",
+    expected_text: "From the covariance of the reconstruction: what to expect, and what 95 % of such dives stay below.",
     truth: "Against known truth",
     truth_none: "No truth was given with this dive, so only the expected accuracy is stated.",
     metric: "Metric",
