@@ -181,6 +181,7 @@ export const texts = {
     tray: "Uploads",
     state: {
       waiting: "Waiting",
+      reading: "Reading the files",
       sending: "Sending",
       paused: "Paused",
       interrupted: "Interrupted",
@@ -194,6 +195,7 @@ export const texts = {
     discard: "Discard",
     retrying: (seconds: number) => `The link is down. Next try in ${seconds} s; nothing that arrived is lost.`,
     drop_again: (name: string) => `Drop "${name}" again to go on. The server still has what arrived.`,
+    was_there: "The server has this recording already; nothing was sent.",
     open_dive: "Open the dive",
     need_scope: "Your token cannot upload: it lacks the scope dives:write.",
     dismiss: "Remove from the list",
