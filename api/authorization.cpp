@@ -3,6 +3,7 @@
 #include <boost/beast/core/string.hpp>
 
 #include "api/browser_session.hpp"
+#include "api/cors.hpp"
 #include "api/in_pool.hpp"
 #include "api/read_nonblocking.hpp"
 #include "schemas/content_hash.hpp"
@@ -14,6 +15,16 @@ namespace {
 
 constexpr const char* kOneShot = "one_shot";
 constexpr std::string_view kBearer = "Bearer ";
+
+// Without tokens a browser would do whatever any page that is open in it asks.
+void refuse_other_pages(const Request& request, const ServiceLimits& limits) {
+    const bool reads = request.method == verb::get || request.method == verb::head ||
+                       request.method == verb::options;
+    if (!reads && !is_allowed_origin(request, limits))
+        throw Error(ErrorCode::Forbidden,
+                    "pages of this origin are not allowed to change anything: start the server "
+                    "with --allow-origin to allow it");
+}
 
 Token administrator() {
     Token token;
@@ -65,7 +76,10 @@ Awaitable<Token> find_token(std::string secret, Services services) {
 
 Awaitable<Token> authenticate(Request request, Services services, RouteKind kind) {
     refuse_token_in_address(request);
-    if (services.no_auth) co_return administrator();
+    if (services.no_auth) {
+        refuse_other_pages(request, services.limits);
+        co_return administrator();
+    }
     if (request.query.contains(kOneShot)) {
         const bool is_taken = kind == RouteKind::File || kind == RouteKind::WebSocket;
         if (!is_taken || request.method != verb::get)

@@ -456,5 +456,20 @@ TEST(OpenSessionTest, WithoutAuthenticationEverybodyIsSignedIn) {
     EXPECT_EQ(server.request("DELETE", kSession, "").status, 204);
 }
 
+TEST(OpenSessionTest, WithoutAuthenticationAPageOfAnotherOriginChangesNothing) {
+    server::ServerConfig config;
+    config.no_auth = true;
+    config.allowed_origins = {"https://lab.example"};
+    TestServer server(config);
+    const auto redrive = [&](const Headers& headers) {
+        return server.request("POST", "/api/v1/queue/redrive", "", headers).status;
+    };
+    EXPECT_EQ(redrive({{"Origin", "https://evil.example"}}), 403);
+    EXPECT_EQ(redrive({{"Origin", "null"}}), 403);
+    EXPECT_EQ(redrive({{"Origin", "http://127.0.0.1"}}), redrive({}));
+    EXPECT_EQ(redrive({{"Origin", "https://lab.example"}}), redrive({}));
+    EXPECT_NE(redrive({}), 403);
+}
+
 }  // namespace
 }  // namespace divemesh
