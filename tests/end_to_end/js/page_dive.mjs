@@ -43,6 +43,19 @@ async function upload_with_a_reload(page, context) {
   check(offsets[0] > 0, `the upload began again at ${offsets[0]}`);
 }
 
+// The same recording as a folder is the same dive: the page knows its identity before it sends.
+async function upload_folder(page, dive) {
+  await page.locator("#upload-folder").setInputFiles(dive_folder);
+  const dialog = page.getByRole("dialog");
+  await dialog.getByText(/^\d+ left, \d+ right images · IMU/).waitFor();
+  await check_accessibility(page, "the question before an upload");
+  await screenshot(page, "offer");
+  await dialog.getByRole("combobox").selectOption("");
+  await dialog.getByRole("button", { name: "Upload" }).click();
+  const opened = await page.getByRole("link", { name: "Open the dive" }).getAttribute("href");
+  check(opened === `/dives/${dive.id}`, `the folder became ${opened}, the archive ${dive.id}`);
+}
+
 // Returns the number of colours in a picture of the canvas.
 async function num_colors(page, canvas) {
   const picture = (await canvas.screenshot()).toString("base64");
@@ -136,6 +149,7 @@ await in_browser(async ({ page, context }) => {
   }
   const [dive] = (await api("GET", "/api/v1/dives")).items;
   await page.goto(`${address}/dives`);
+  await upload_folder(page, dive);
   await page.getByRole("link", { name: dive.name }).waitFor();
   await check_accessibility(page, "the list of dives");
 });

@@ -6,6 +6,7 @@ export interface Candidate {
   name: string;
   filename: string;
   blob: Blob;
+  files: NamedFile[];
   is_archive: boolean;
   num_files: number;
   num_left_out: number;
@@ -57,6 +58,7 @@ function from_archive({ path, file }: NamedFile): Candidate {
     name: path.replace(kArchive, ""),
     filename: path,
     blob: file,
+    files: [],
     is_archive: true,
     num_files: 1,
     num_left_out: 0,
@@ -79,6 +81,7 @@ function from_files(name: string, files: NamedFile[], num_left_out: number): Can
     name,
     filename: `${name}.tar`,
     blob: tar_of(files),
+    files,
     is_archive: false,
     num_files: files.length,
     num_left_out,

@@ -1,10 +1,13 @@
 import type { DetailedError, HttpResponse, Upload as TusUpload } from "tus-js-client";
+import { api } from "../api/client";
 import { connection } from "../api/connection.svelte";
 import { as_problem, Problem } from "../api/problem";
 import { session } from "../api/session.svelte";
+import type { Preset } from "../api/types";
 import type { Candidate } from "./candidates";
+import { identity_of } from "./identity";
 
-export type UploadState = "waiting" | "sending" | "paused" | "interrupted" | "failed" | "complete";
+export type UploadState = "waiting" | "reading" | "sending" | "paused" | "interrupted" | "failed" | "complete";
 
 const kChunk_bytes = 32 * 1024 * 1024;
 const kLongestWait_s = 60;
@@ -18,6 +21,8 @@ export class Upload {
   retry_in_s = $state(0);
   problem = $state<Problem>();
   dive_id = $state("");
+  // The server had the recording before: nothing was sent.
+  was_there = $state(false);
   #tus: TusUpload | undefined;
   #samples: { at: number; bytes: number }[] = [];
   #wait_s = 1;
@@ -45,15 +50,21 @@ export class Upload {
 
   async start(): Promise<void> {
     if (!this.candidate) return;
-    this.#set("sending");
     this.problem = undefined;
+    this.#set("reading");
     try {
-      this.#tus ??= await this.#make(this.candidate);
-      const earlier = await this.#tus.findPreviousUploads();
-      if (earlier[0] && !this.#tus.url) this.#tus.resumeFromPreviousUpload(earlier[0]);
-      if (this.state === "sending") this.#tus.start();
+      const tus = (this.#tus ??= await this.#make(this.candidate));
+      const earlier = await tus.findPreviousUploads();
+      if (!earlier[0] && !tus.url && (await this.#find_dive(this.candidate, tus))) return;
+      if (this.state !== "reading") return;
+      this.#set("sending");
+      if (earlier[0] && !tus.url) tus.resumeFromPreviousUpload(earlier[0]);
+      tus.start();
     } catch (thrown) {
-      this.#fail(as_problem(thrown));
+      const problem = as_problem(thrown);
+      if (!problem.is_gone) return this.#fail(problem);
+      this.#set("sending");
+      this.#try_later();
     }
   }
 
@@ -67,6 +78,26 @@ export class Upload {
   async discard(): Promise<void> {
     this.#end_countdown();
     if (this.state !== "complete") await this.#tus?.abort(true).catch(() => undefined);
+  }
+
+  // Asks whether the server has the recording already, and otherwise states its identity with the upload.
+  async #find_dive(candidate: Candidate, tus: TusUpload): Promise<boolean> {
+    const content_sha256 = await identity_of(candidate.files);
+    if (!content_sha256) return false;
+    tus.options.metadata = { ...tus.options.metadata, dive: content_sha256 };
+    if (!session.can("dives:read")) return false;
+    const page = await api.get("/api/v1/dives", { query: { content_sha256 } });
+    const dive = page.items.find(({ state }) => state !== "refused");
+    if (!dive || this.state !== "reading") return false;
+    if (this.preset) {
+      const body = { kind: "reconstruct" as const, preset: this.preset as Preset, priority: 0 };
+      await api.post("/api/v1/dives/{dive_id}/jobs", { path: { dive_id: dive.id }, body });
+    }
+    this.was_there = true;
+    this.dive_id = dive.id;
+    this.sent_bytes = this.total_bytes;
+    this.#set("complete");
+    return true;
   }
 
   async #make(candidate: Candidate): Promise<TusUpload> {

@@ -41,7 +41,7 @@ class Uploads {
     this.offered = undefined;
     for (const candidate of candidates) {
       const earlier = this.items.find((item) => item.fingerprint === candidate.fingerprint);
-      if (earlier && (earlier.state === "sending" || earlier.state === "waiting")) continue;
+      if (earlier && ["reading", "sending", "waiting"].includes(earlier.state)) continue;
       this.items = this.items.filter((item) => item !== earlier);
       const chosen = earlier?.state === "interrupted" ? earlier.preset : preset;
       const size = candidate.blob.size;
@@ -61,7 +61,7 @@ class Uploads {
 
   changed(): void {
     remember(this.items);
-    const num_sending = this.items.filter(({ state }) => state === "sending").length;
+    const num_sending = this.items.filter(({ state }) => state === "sending" || state === "reading").length;
     for (const next of this.items.filter(({ state }) => state === "waiting").slice(0, kAtOnce - num_sending)) void next.start();
   }
 }
