@@ -9,6 +9,7 @@ std::string media_type_of(const std::string& name) {
     static constexpr std::pair<std::string_view, std::string_view> kTypes[] = {
         {".glb", "model/gltf-binary"},
         {".ply", "application/vnd.ply"},
+        {".obj", "model/obj"},
         {".png", "image/png"},
         {".jpg", "image/jpeg"},
         {".json", "application/json"},
