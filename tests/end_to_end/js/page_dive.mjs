@@ -118,6 +118,34 @@ async function measure_known_length(page, job) {
   check(half > 0 && Math.abs(metres - truth) < half && Math.abs(metres / truth - 1) < 0.05, report);
 }
 
+// Somebody without an account opens the link of a result, until it is withdrawn.
+async function share_and_withdraw(page) {
+  await page.getByRole("button", { name: "Share" }).click();
+  const dialog = page.getByRole("dialog");
+  await dialog.getByLabel("For whom").fill("museum");
+  await dialog.getByRole("button", { name: "Create a link" }).click();
+  const link = await dialog.getByRole("textbox", { name: "Create a link" }).inputValue();
+  await check_accessibility(page, "sharing");
+  await in_browser(
+    async ({ page: visitor }) => {
+      await visitor.goto(link);
+      await visitor.locator("canvas[data-loaded=true]").waitFor();
+      check(!visitor.url().includes("dms_"), `the secret is still in the address: ${visitor.url()}`);
+      check((await visitor.getByRole("button", { name: "Run again" }).count()) === 0, "a visitor is offered to start a job");
+      check((await visitor.getByRole("link", { name: "Dives" }).count()) === 0, "a visitor is offered other dives");
+      await screenshot(visitor, "shared");
+      await dialog.getByRole("button", { name: "Withdraw" }).click();
+      await dialog.getByText("withdrawn").waitFor();
+      await visitor.reload();
+      await visitor.getByText("This link no longer works").waitFor();
+      await visitor.goto(link);
+      await visitor.getByText("This link no longer works").waitFor();
+    },
+    { signed_in: false, expected: [/401/, /403/] },
+  );
+  await dialog.getByRole("button", { name: "Close" }).click();
+}
+
 await in_browser(async ({ page, context }) => {
   await page.getByRole("heading", { name: "No dives yet" }).waitFor();
   await check_accessibility(page, "the empty list of dives");
@@ -140,6 +168,7 @@ await in_browser(async ({ page, context }) => {
   await screenshot(page, "model");
   await check_accessibility(page, "the model");
   await measure_known_length(page, job);
+  await share_and_withdraw(page);
 
   for (const tab of ["Mosaic", "Accuracy", "Files", "Log"]) {
     await page.getByRole("navigation").getByRole("link", { name: tab, exact: true }).click();
