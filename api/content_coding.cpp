@@ -45,19 +45,17 @@ std::optional<std::int64_t> size_of(const Response& response) {
     return std::nullopt;
 }
 
-void add_vary(Response& response) {
-    if (auto* vary = find_header(response, "Vary"))
-        vary->append(", Accept-Encoding");
-    else
-        response.set("Vary", "Accept-Encoding");
-}
-
 // Headers that describe the bytes as they were.
 void describe_gzip(Response& response) {
     response.set("Content-Encoding", "gzip");
     if (auto* etag = find_header(response, "ETag")) *etag = gzip_etag(*etag);
     for (const char* name : {"Accept-Ranges", "Content-Digest", "Repr-Digest"})
         erase_header(response, name);
+}
+
+// Not what holds a secret (BREACH), and not the files of the page, which are compressed already.
+bool may_be_compressed(const Route* route) {
+    return route == nullptr || (route->kind != RouteKind::Secret && route->kind != RouteKind::Page);
 }
 
 // A client that has the compressed answer is told the tag of that.
@@ -87,11 +85,10 @@ bool accepts_gzip(std::string_view accept_encoding) {
 
 Awaitable<Response> with_content_coding(Request request, Services services, Response response) {
     const bool reads = request.method == verb::get || request.method == verb::head;
-    const bool has_secret = response.route != nullptr && response.route->kind == RouteKind::Secret;
-    if (!reads || has_secret) co_return response;
+    if (!reads || !may_be_compressed(response.route)) co_return response;
     if (response.status == http::status::not_modified) {
         tell_known_tag(request, response);
-        add_vary(response);
+        response.add_vary("Accept-Encoding");
         co_return response;
     }
     const auto size = size_of(response);
@@ -99,7 +96,7 @@ Awaitable<Response> with_content_coding(Request request, Services services, Resp
     if (response.status == http::status::partial_content || !size || type == nullptr ||
         !is_compressible(media_type_of(*type)))
         co_return response;
-    add_vary(response);
+    response.add_vary("Accept-Encoding");
     if (*size < kMinBytes || request.has_header("range") ||
         !accepts_gzip(request.header("accept-encoding")))
         co_return response;

@@ -89,7 +89,8 @@ TEST_F(ShareTest, EveryOtherRouteIsForbidden) {
     const std::string secret = share()["secret"];
     int num_open = 0;
     for (const api::Route& route : api::routes()) {
-        if (route.scope.empty()) continue;
+        if (route.scope.empty() || route.scope == api::kAnyToken)
+            continue;  // session_test has these
         std::string path(route.path);
         const auto fill = [&path](const std::string& name, const std::string& id) {
             if (const auto at = path.find(name); at != std::string::npos)
