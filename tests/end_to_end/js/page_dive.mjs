@@ -135,7 +135,7 @@ async function share_and_withdraw(page) {
       check((await visitor.getByRole("link", { name: "Dives" }).count()) === 0, "a visitor is offered other dives");
       await screenshot(visitor, "shared");
       await dialog.getByRole("button", { name: "Withdraw" }).click();
-      await dialog.getByText("withdrawn").waitFor();
+      await dialog.getByText(/^withdrawn/).waitFor();
       await visitor.reload();
       await visitor.getByText("This link no longer works").waitFor();
       await visitor.goto(link);
