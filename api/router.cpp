@@ -264,7 +264,7 @@ Awaitable<Response> dispatch(Request request, Services services) {
             if (is_whole(route->kind)) request.body = co_await read_body(request.stream);
             response = co_await answer(request, services, *route);
             if (http::to_status_class(response.status) < http::status_class::client_error) {
-                co_await use_up_one_shot(request, services);
+                if (!route->scope.empty()) co_await use_up_one_shot(request, services);
                 co_await audit_visit(request, services);
             }
         }

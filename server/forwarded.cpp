@@ -46,11 +46,12 @@ Hop parse_hop(std::string_view element) {
 
 std::vector<Hop> hops_of(const api::Request& request) {
     std::vector<Hop> hops;
-    for (const auto& element : api::list_elements(request.header("forwarded")))
-        hops.push_back(parse_hop(element));
-    if (!hops.empty()) return hops;
     for (auto& address : api::list_elements(request.header("x-forwarded-for")))
         hops.push_back({std::move(address), ""});
+    // Proxies that set X-Forwarded-For pass Forwarded on as their client made it up.
+    if (hops.empty())
+        for (const auto& element : api::list_elements(request.header("forwarded")))
+            hops.push_back(parse_hop(element));
     const auto protocols = api::list_elements(request.header("x-forwarded-proto"));
     if (!hops.empty() && !protocols.empty()) hops.back().protocol = protocols.back();
     return hops;

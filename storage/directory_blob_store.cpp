@@ -62,11 +62,15 @@ public:
         num_new_bytes_ = 0;
     }
     std::int64_t flush() override {
+        if (is_broken_)
+            throw Error(ErrorCode::Unavailable, "the disk has refused this upload: try again");
         try {
             sync(file_);
         } catch (const Error&) {
             // The kernel has dropped the bytes, and would call the next fsync() a success.
+            is_broken_ = true;
             cut_off(num_durable_bytes_);
+            is_broken_ = false;
             throw;
         }
         return num_durable_bytes_ = size_bytes();
@@ -82,6 +86,7 @@ private:
 
     FileDescriptor file_;
     std::int64_t num_durable_bytes_;
+    bool is_broken_ = false;          // bytes behind the durable ones could not be cut off
     std::int64_t num_new_bytes_ = 0;  // not yet started to write to the disk
 };
 

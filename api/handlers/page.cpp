@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "api/content_coding.hpp"
 #include "api/etag.hpp"
-#include "api/field_values.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api {
@@ -38,18 +38,6 @@ private:
     std::string_view bytes_;
 };
 
-// Returns whether the client decodes gzip (RFC 9110, 12.5.3).
-bool takes_gzip(const Request& request) {
-    const auto codings = list_elements(request.header("accept-encoding"));
-    return std::any_of(codings.begin(), codings.end(), [](const std::string& coding) {
-        const std::string name = media_type_of(coding);  // without ";q="
-        const auto weight = coding.find("q=0");
-        const bool refused = weight != std::string::npos &&
-                             coding.find_first_not_of("0.", weight + 3) == std::string::npos;
-        return (name == "gzip" || name == "*") && !refused;
-    });
-}
-
 const PageFile* find_file(const Services& services, std::string_view name) {
     const auto found = std::find_if(services.page.begin(),
                                     services.page.end(),
@@ -63,10 +51,10 @@ void protect(Response& response, const std::string& frame_ancestors) {
 }
 
 Response send_file(const Request& request, const PageFile& file, std::string_view freshness) {
-    const bool compressed = !file.gzip.empty() && takes_gzip(request);
-    const std::string etag =
-        '"' + std::string(file.sha256.substr(0, 32)) + (compressed ? "-gzip\"" : "\"");
-    const bool is_known = matches_etag(request.header("if-none-match"), etag);
+    const bool compressed = !file.gzip.empty() && accepts_gzip(request.header("accept-encoding"));
+    const std::string plain_etag = '"' + std::string(file.sha256.substr(0, 32)) + '"';
+    const std::string etag = compressed ? gzip_etag(plain_etag) : plain_etag;
+    const bool is_known = matches_etag(request.header("if-none-match"), plain_etag);
     Response response = empty_response(is_known ? http::status::not_modified : http::status::ok);
     response.set("ETag", etag);
     response.set("Cache-Control", std::string(freshness));

@@ -73,11 +73,13 @@ Awaitable<Response> create_one_shot_token(Request request, Services services) {
         return storage::TokenStore(catalog).create_one_shot(request.token, path, lifetime);
     };
     const auto made = co_await in_pool(services.pool, std::move(work));
-    co_return secret_response(
-        {{"secret", made.secret},
-         {"path", made.path},
-         {"url", public_address(services.limits, made.path + "?one_shot=" + made.secret)},
-         {"expires_at_ms", made.expires_at_ms}});
+    const std::string address = made.path == kSessionPath
+                                    ? "/sign-in#" + made.secret  // which no log sees
+                                    : made.path + "?one_shot=" + made.secret;
+    co_return secret_response({{"secret", made.secret},
+                               {"path", made.path},
+                               {"url", public_address(services.limits, address)},
+                               {"expires_at_ms", made.expires_at_ms}});
 }
 
 }  // namespace divemesh::api

@@ -76,6 +76,9 @@ TEST_F(PageTest, BrowsersAskForThePageAgainAndKeepItsFiles) {
     EXPECT_EQ(again.body, "");
     EXPECT_EQ(again.header("etag"), etag);
     EXPECT_FALSE(again.header("content-security-policy").empty());
+    const Headers takes_gzip = {{"Accept-Encoding", "gzip"}};
+    const std::string gzip_etag = get("/", takes_gzip).header("etag");
+    EXPECT_EQ(get("/", {takes_gzip[0], {"If-None-Match", gzip_etag}}).status, 304);
     EXPECT_EQ(get_script("").header("cache-control"), "public, max-age=31536000, immutable");
     EXPECT_EQ(get_script("").header("content-type"), "text/javascript");
 }

@@ -90,6 +90,12 @@ TEST(ForwardedTest, TheStandardHeaderIsRead) {
 }
 
 TEST(ForwardedTest, WhatAClientMakesUpCountsForNothing) {
+    EXPECT_EQ(
+        believed("127.0.0.1",
+                 {{"forwarded", "for=203.0.113.9;proto=https"}, {"x-forwarded-for", "192.0.2.7"}})
+            .peer,
+        "192.0.2.7")
+        << "a proxy that sets X-Forwarded-For passes on the other one as the client sent it";
     EXPECT_EQ(believed("192.0.2.1", {{"x-forwarded-for", "10.1.0.1"}}).peer, "192.0.2.1");
     EXPECT_EQ(believed("127.0.0.1", {{"x-forwarded-for", "1.1.1.1, 192.0.2.7"}}).peer, "192.0.2.7");
     EXPECT_EQ(believed("127.0.0.1", {{"x-forwarded-for", "1.1.1.1, 192.0.2.7, 10.1.0.9"}}).peer,

@@ -453,7 +453,7 @@ export const texts = {
   },
   share: {
     title: "Share",
-    text: "A link opens this result read-only, without an account, until it expires or is withdrawn.",
+    text: "A link opens this result read-only, without an account, until it expires or is withdrawn. If the recording states its position, so do metrics and mosaic.",
     not_here: "This server cannot make share links.",
     create: "Create a link",
     name: "For whom",
