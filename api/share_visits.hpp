@@ -8,8 +8,8 @@
 
 namespace divemesh::api {
 
-// Who uses which sharing link, so that a visit is audited once and not with each of the files that
-// a page reads. Bounded. Thread-safe.
+// Remembers who uses which sharing link, so that a visit is audited once and not with each file
+// that a page reads. Bounded. Thread-safe.
 class ShareVisits {
 public:
     // Returns whether a visit begins: the address did not begin one within the last ten minutes.

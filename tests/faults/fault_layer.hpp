@@ -33,6 +33,11 @@ inline constexpr std::array kCallsOfDisk = {Call::Open,
 
 const char* name_of(Call call);
 
+// Returns whether nothing becomes durable without a call of this kind: a sweep must meet some.
+constexpr bool is_made_by_every_step(Call call) {
+    return call == Call::Write || call == Call::Sync || call == Call::Statement;
+}
+
 enum class Lasting {
     Once,    // that call alone
     ForGood  // and all later ones

@@ -58,12 +58,6 @@ protected:
         return killed;
     }
 
-    static JobState state_of_reconstruction(Site& site) {
-        for (const Job& job : site.all_jobs())
-            if (job.kind == JobKind::Reconstruct) return job.state;
-        throw std::runtime_error("the job is lost");
-    }
-
     TemporaryFolder folder_;
 };
 
@@ -88,7 +82,7 @@ TEST_F(CrashPointsTest, Claim) {
                             site.lose_leases();
                             const Lease lease = site.take();
                             site.publish(lease);
-                            EXPECT_EQ(state_of_reconstruction(site), JobState::Succeeded);
+                            EXPECT_EQ(site.state_of_reconstruction(), JobState::Succeeded);
                         });
     EXPECT_GT(num_points, 8);
 }
@@ -98,7 +92,7 @@ TEST_F(CrashPointsTest, PublishAndComplete) {
         kill_everywhere([](Site& site) { site.queue_job(); },
                         [](Site& site) { site.publish(site.take()); },
                         [](Site& site) {
-                            if (state_of_reconstruction(site) != JobState::Succeeded) {
+                            if (site.state_of_reconstruction() != JobState::Succeeded) {
                                 site.lose_leases();
                                 site.publish(site.take());
                             }
@@ -122,9 +116,9 @@ TEST_F(CrashPointsTest, CompletionOfAnIntakeThatOthersWaitFor) {
         [&](Site& site) {
             site.lose_leases();
             const bool checking = site.dives_.list({}, {}).items.at(0).state == DiveState::Checking;
-            EXPECT_EQ(state_of_reconstruction(site) == JobState::Held, checking);
+            EXPECT_EQ(site.state_of_reconstruction() == JobState::Held, checking);
             if (checking) finish(site);
-            EXPECT_EQ(state_of_reconstruction(site), JobState::Queued);
+            EXPECT_EQ(site.state_of_reconstruction(), JobState::Queued);
         });
     EXPECT_GT(num_points, 8);
 }
@@ -138,7 +132,7 @@ TEST_F(CrashPointsTest, FailureThatIsTriedAgain) {
                         [](Site& site) {
                             site.lose_leases();
                             site.publish(site.take());
-                            EXPECT_EQ(state_of_reconstruction(site), JobState::Succeeded);
+                            EXPECT_EQ(site.state_of_reconstruction(), JobState::Succeeded);
                         });
     EXPECT_GT(num_points, 8);
 }

@@ -62,6 +62,11 @@ struct Site : Stores {
     }
 
     std::vector<Job> all_jobs() { return jobs_.list({}, {.limit = 200}).items; }
+    JobState state_of_reconstruction() {
+        for (const Job& job : all_jobs())
+            if (job.kind == JobKind::Reconstruct) return job.state;
+        throw std::runtime_error("the job is lost");
+    }
     void lose_leases() {
         catalog_.transaction([](soci::session& session) {
             session << "UPDATE jobs SET lease_expires_at_ms = 0 WHERE state = 'running'";
