@@ -136,12 +136,15 @@ TEST(LimitsTest, AnswersRequestsThatAreSentInOneGo) {
 }
 
 // Sends the head of an upload's body and a part of it, so that its connection is at work.
+// One connection, whose request the server has begun to answer.
 std::unique_ptr<RawClient> begun_upload(const TestServer& server) {
-    const auto path = create_upload(server.port(), server.admin(), 1'000);
     auto client = std::make_unique<RawClient>(server.port());
-    client->send(request_head("PATCH", path, patch_headers(server.admin(), 0), 1'000));
+    const auto path = create_upload(*client, server.admin(), 1'000);
+    Headers headers = patch_headers(server.admin(), 0);
+    headers.emplace_back("Expect", "100-continue");
+    client->send(request_head("PATCH", path, headers, 1'000));
+    EXPECT_EQ(status_line(*client), "HTTP/1.1 100 Continue");
     client->send("hello");
-    std::this_thread::sleep_for(100ms);
     return client;
 }
 
@@ -152,11 +155,12 @@ TEST(LimitsTest, TakesNoMoreConnectionsThanItMay) {
     const auto first = begun_upload(server);
     const auto second = begun_upload(server);
     RawClient third(server.port());
-    const RawResponse refused = third.receive().value();
-    EXPECT_EQ(refused.status, 503);
-    EXPECT_EQ(refused.header("retry-after"), "5");
-    EXPECT_EQ(refused.header("content-type"), "application/problem+json");
-    EXPECT_EQ(refused.json()["status"], 503);
+    const auto refused = third.receive();
+    ASSERT_TRUE(refused);
+    EXPECT_EQ(refused->status, 503);
+    EXPECT_EQ(refused->header("retry-after"), "5");
+    EXPECT_EQ(refused->header("content-type"), "application/problem+json");
+    EXPECT_EQ(refused->json()["status"], 503);
     EXPECT_TRUE(third.at_end());
     for (const auto& client : {first.get(), second.get()}) {
         client->send(std::string(995, 'x'));

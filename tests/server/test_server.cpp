@@ -128,9 +128,17 @@ std::string create_upload(int port,
                           const std::string& token,
                           std::int64_t length,
                           const std::string& metadata) {
+    RawClient client(port);
+    return create_upload(client, token, length, metadata);
+}
+
+std::string create_upload(RawClient& client,
+                          const std::string& token,
+                          std::int64_t length,
+                          const std::string& metadata) {
     Headers headers = tus_headers(token, {{"Upload-Length", std::to_string(length)}});
     if (!metadata.empty()) headers.emplace_back("Upload-Metadata", metadata);
-    const auto response = RawClient(port).request("POST", "/api/v1/uploads", headers);
+    const auto response = client.request("POST", "/api/v1/uploads", headers);
     if (response.status != 201) throw std::runtime_error(response.body);
     return response.header("location");
 }

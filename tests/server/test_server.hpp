@@ -74,6 +74,11 @@ std::string create_upload(int port,
                           const std::string& token,
                           std::int64_t length,
                           const std::string& metadata = "");  // returns its path
+// The same, on a connection that stays open.
+std::string create_upload(RawClient& client,
+                          const std::string& token,
+                          std::int64_t length,
+                          const std::string& metadata = "");
 std::int64_t upload_offset(int port, const std::string& token, const std::string& path);
 
 std::string random_bytes(std::size_t size, unsigned seed = 1);

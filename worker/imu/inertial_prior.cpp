@@ -88,7 +88,11 @@ void InertialPrior::align(const types::ImuAlignment& alignment) {
 }
 
 bool InertialPrior::imu_is_used(std::int64_t from_ns, std::int64_t to_ns) const {
-    return to_ns - from_ns <= kMaxIntegration_ns && (!imu_ends_ns_ || to_ns < *imu_ends_ns_);
+    if (to_ns - from_ns > kMaxIntegration_ns || (imu_ends_ns_ && to_ns >= *imu_ends_ns_))
+        return false;
+    const auto later =
+        std::ranges::upper_bound(contradicted_, from_ns, {}, &types::TimeInterval::to_ns);
+    return later == contradicted_.end() || later->from_ns >= to_ns;
 }
 
 std::optional<GyroscopeIntegral> InertialPrior::integral(std::int64_t from_ns,

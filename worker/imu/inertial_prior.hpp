@@ -43,6 +43,10 @@ public:
     // the start.
     void leave_out_from(std::optional<std::int64_t> from_ns) { imu_ends_ns_ = from_ns; }
 
+    // Leaves out the IMU over every interval that shares time with this one, which vision
+    // contradicts. Intervals are added in order.
+    void leave_out(const types::TimeInterval& time) { contradicted_.push_back(time); }
+
     // Takes rotations from the AHRS where there is one, before the gyroscope, as the paper does.
     void let_ahrs_lead() { ahrs_leads_ = true; }
 
@@ -108,6 +112,7 @@ private:
 
     const types::Recording& recording_;
     std::optional<std::int64_t> imu_ends_ns_;
+    std::vector<types::TimeInterval> contradicted_;
     std::vector<types::ImuSample> rates_;                        // usable, as recorded
     std::vector<types::ImuSample> imu_;                          // aligned
     std::vector<types::OrientationSample> usable_orientations_;  // likewise

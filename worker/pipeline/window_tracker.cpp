@@ -68,8 +68,11 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
     const odometry::Registration& vision = seen.vision;
     // At rest the pose by vision does not drift; by the gyroscope it would.
     const auto guess = odometry::predict_orientation(  // 5
+        state_.rig,
         rest_.hardly_moves() ? std::nullopt : rotation,
         vision);
+    const bool contradicted = guess.disagreement_rad && !guess.rotation;
+    if (contradicted) state_.inertial.leave_out({before_ns, now_ns});
     const auto estimated =  // 6
         vision.found ? summary_.counted(odometry::refine_pose(state_.rig, vision.inliers, guess))
                      : prediction.T_current_previous;
@@ -90,7 +93,7 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
     const odometry::Registration not_measured;
     tracked.sigma = odometry::sigma_of_motion(state_.rig,
                                               seen.recognised ? not_measured : vision,
-                                              {T_current_previous, guess.rotation, 0.0},
+                                              {T_current_previous, guess.rotation, {}},
                                               base::to_s(now_ns - before_ns));
     tracked.by_vision = vision.found;
     tracked.predicted_by_imu = predicted_by_imu;
