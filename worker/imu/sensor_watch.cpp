@@ -14,6 +14,10 @@ constexpr std::size_t kJudgementStep = 4;
 // The watch notices a fault only after this many wrong spans.
 constexpr std::size_t kUnnoticed = 8;
 constexpr double kMaxCorrected_s = 0.01;  // of the time offset, while a dive is tracked
+// Frames that contradict the IMU for less time may be spoilt themselves.
+constexpr std::int64_t kMinContradicted_ns = 400'000'000;
+constexpr std::int64_t kMaxBetweenContradictions_ns = 1'000'000'000;
+constexpr std::int64_t kContradictionMargin_ns = 200'000'000;
 constexpr int kNumLost = 3;  // frames in a row: the scene is lost, not one image spoilt
 
 std::vector<types::ImuSample> shifted(const std::vector<types::ImuSample>& samples,
@@ -84,6 +88,13 @@ void SensorWatch::aligned(const types::ImuAlignment& alignment, std::size_t num_
     restart_ = plan_;
     restart_->alignment = alignment;
     restart_->num_alignment_rotations = num_rotations;
+}
+
+void SensorWatch::contradicted_in(const types::TimeInterval& time) {
+    if (contradicted_frames_.empty() ||
+        time.from_ns - contradicted_frames_.back().to_ns > kMaxBetweenContradictions_ns)
+        contradicted_frames_.push_back(time);
+    contradicted_frames_.back().to_ns = time.to_ns;
 }
 
 void SensorWatch::lost_scene() {
@@ -188,6 +199,10 @@ std::optional<SensorPlan> SensorWatch::restart_at_end() const {
 std::vector<types::TimeInterval> SensorWatch::wrong_times() const {
     if (!confirmed_) return {};
     std::vector<types::TimeInterval> times = imu::wrong_times(samples_, turns_.spans());
+    for (const types::TimeInterval& time : contradicted_frames_)
+        if (time.to_ns - time.from_ns >= kMinContradicted_ns)
+            times.push_back(
+                {time.from_ns - kContradictionMargin_ns, time.to_ns + kContradictionMargin_ns});
     const auto add = [&](const std::vector<types::TimeInterval>& found) {
         times.insert(times.end(), found.begin(), found.end());
     };

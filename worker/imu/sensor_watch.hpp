@@ -50,6 +50,8 @@ public:
     // starts again if the error of the offset so far was too large to be corrected while it is
     // tracked.
     void aligned(const types::ImuAlignment& alignment, std::size_t num_rotations);
+    // Takes in that vision contradicts the IMU between two frames.
+    void contradicted_in(const types::TimeInterval& time);
     // Takes in that vision lost the scene in a frame.
     void lost_scene();
 
@@ -78,6 +80,7 @@ private:
     std::optional<SensorPlan> restart_;
     // Times in which a confirmed IMU contradicted vision, and why first.
     std::vector<types::TimeInterval> contradicted_;
+    std::vector<types::TimeInterval> contradicted_frames_;  // joined where little lies between
     bool contradicts_now_ = false;
     GyroscopeJudgement first_contradiction_;
     std::size_t num_confirmed_ = 0;  // spans up to the last judgement that the IMU fits

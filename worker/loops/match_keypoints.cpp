@@ -69,7 +69,7 @@ std::optional<Eigen::Isometry3d> register_keypoints(const types::RectifiedRig& r
     const odometry::Registration found =
         odometry::register_points(rig, match_keypoints(rig, a, b), tolerance_px, seed);
     if (!found.found || found.inliers.size() < kMinAgreeing) return std::nullopt;
-    return odometry::refine_pose(rig, found.inliers, {found.T_current_previous, {}, {}})
+    return odometry::refine_pose(rig, found.inliers, {found.T_current_previous, std::nullopt, 0.0})
         .T_current_previous;
 }
 

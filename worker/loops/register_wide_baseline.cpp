@@ -35,7 +35,7 @@ std::optional<Eigen::Isometry3d> motion_of_three(const types::RectifiedRig& rig,
     }
     const auto horn = base::absolute_orientation(from, to);
     if (!horn) return std::nullopt;
-    return odometry::refine_pose(rig, three, {horn->T_b_a, {}, {}}).T_current_previous;
+    return odometry::refine_pose(rig, three, {horn->T_b_a, std::nullopt, 0.0}).T_current_previous;
 }
 
 Eigen::Isometry3d best_motion(const types::RectifiedRig& rig,
@@ -72,12 +72,12 @@ std::optional<Eigen::Isometry3d> confirmed(const types::RectifiedRig& rig,
                                            const MotionPrior& prior) {
     odometry::PointPairs inliers = odometry::find_inliers(rig, pairs, T_b_a, kTolerance_px);
     for (int i = 0; i < 2 && inliers.size() >= kMinInliersWithPrior; ++i) {
-        T_b_a = odometry::refine_pose(rig, inliers, {T_b_a, {}, {}}).T_current_previous;
+        T_b_a = odometry::refine_pose(rig, inliers, {T_b_a, std::nullopt, 0.0}).T_current_previous;
         inliers = odometry::find_inliers(rig, pairs, T_b_a, kTolerance_px);
     }
     const std::size_t wanted = fits(prior.rotation, T_b_a) ? kMinInliersWithPrior : kMinInliers;
     if (inliers.size() < wanted || odometry::num_cells(rig, inliers) < kMinCells ||
-        odometry::max_sigma_rad(rig, inliers, {T_b_a, {}, {}}) > kMaxSigma_rad)
+        odometry::max_sigma_rad(rig, inliers, {T_b_a, std::nullopt, 0.0}) > kMaxSigma_rad)
         return std::nullopt;
     return T_b_a;
 }

@@ -51,7 +51,7 @@ Eigen::Isometry3d refined(const types::RectifiedRig& rig,
         pair.current_sigma_px = kLeftSigma_px;
         pairs.push_back(pair);
     }
-    return odometry::refine_pose(rig, pairs, {T_to_from, {}, {}}).T_current_previous;
+    return odometry::refine_pose(rig, pairs, {T_to_from, std::nullopt, 0.0}).T_current_previous;
 }
 
 types::Features find_inliers(const types::RectifiedRig& rig,

@@ -102,7 +102,7 @@ void learn_bias(imu::InertialPrior& inertial,
                 std::int64_t now_ns) {
     if (!inertial.has_gyroscope() || !vision.found) return;
     const RefinedPose refined =
-        refine_pose(rig, vision.inliers, {vision.T_current_previous, {}, {}});
+        refine_pose(rig, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0});
     if (refined.outcome.failed()) return;
     const Eigen::Quaterniond q_imu_cam(rig.T_imu_cam.linear());
     const Eigen::Quaterniond q_previous_current(refined.T_current_previous.linear().transpose());

@@ -30,8 +30,8 @@ std::optional<imu::VisionMotion> motion_by_vision(const types::RectifiedRig& rig
                                                   std::int64_t before_ns,
                                                   std::int64_t now_ns) {
     if (!vision.found || vision.inliers.size() < kMinNumPairs) return std::nullopt;
-    const RefinedPose refined =
-        refine_pose(rig, inliers_of(measured, vision), {vision.T_current_previous, {}, {}});
+    const RefinedPose refined = refine_pose(
+        rig, inliers_of(measured, vision), {vision.T_current_previous, std::nullopt, 0.0});
     if (refined.outcome.failed()) return std::nullopt;
     return imu::VisionMotion{
         before_ns,

@@ -44,15 +44,20 @@ Eigen::Isometry3d MotionModel::predict(const std::optional<types::KnownRotation>
     if (inertial_state_ && !lost)
         if (const auto motion = inertial_.motion(timestamp_ns_, timestamp_ns))
             return predict_by_imu(*motion).inverse();
+    Eigen::Isometry3d T_previous_current = steady_motion(timestamp_ns);
+    if (rotation) T_previous_current.linear() = rotation->q.conjugate().toRotationMatrix();
+    if (lost) T_previous_current.translation().setZero();
+    return T_previous_current.inverse();
+}
+
+Eigen::Isometry3d MotionModel::steady_motion(std::int64_t timestamp_ns) const {
     const double interval_s =
         std::min(base::to_s(timestamp_ns - timestamp_ns_), kMaxExtrapolation_s);
     Eigen::Isometry3d T_previous_current = Eigen::Isometry3d::Identity();
     T_previous_current.linear() =
-        (rotation ? rotation->q.conjugate()
-                  : base::rotation_from_vector(angular_velocity_cam_ * interval_s))
-            .toRotationMatrix();
-    if (!lost) T_previous_current.translation() = velocity_cam_ * interval_s;
-    return T_previous_current.inverse();
+        base::rotation_from_vector(angular_velocity_cam_ * interval_s).toRotationMatrix();
+    T_previous_current.translation() = velocity_cam_ * interval_s;
+    return T_previous_current;
 }
 
 bool MotionModel::predicts_by_imu(std::int64_t timestamp_ns) const {

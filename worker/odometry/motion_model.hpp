@@ -27,6 +27,10 @@ public:
     // translation is zero.
     Eigen::Isometry3d predict(const std::optional<types::KnownRotation>& rotation,
                               std::int64_t timestamp_ns) const;
+    // Returns T_current_previous if the rig moves and turns on as before.
+    Eigen::Isometry3d predict_steadily(std::int64_t timestamp_ns) const {
+        return steady_motion(timestamp_ns).inverse();
+    }
     // Returns true if predict() is the IMU's motion from a known velocity.
     bool predicts_by_imu(std::int64_t timestamp_ns) const;
     // Returns true if predict() is right to some pixels: by the IMU, or because too little time has
@@ -53,8 +57,9 @@ public:
     std::int64_t timestamp_ns() const { return timestamp_ns_; }
 
 private:
-    // T_previous_current.
+    // Both return T_previous_current.
     Eigen::Isometry3d predict_by_imu(const imu::PreintegratedImu& motion) const;
+    Eigen::Isometry3d steady_motion(std::int64_t timestamp_ns) const;
 
     // The state that the IMU needs to predict the motion of the body.
     struct InertialState {

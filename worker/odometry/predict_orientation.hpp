@@ -13,13 +13,12 @@ namespace divemesh::odometry {
 struct MotionGuess {
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
     std::optional<types::KnownRotation> rotation;  // q_current_previous from the IMU
-    std::optional<double> disagreement_rad;        // between vision and the IMU
+    double disagreement_rad = 0.0;                 // between vision and the IMU
 };
 
 // Step 5: returns the rotation measured by the IMU and the translation that fits the inliers with
-// it. Without an IMU, or if the inliers contradict it: the motion from vision.
-MotionGuess predict_orientation(const types::RectifiedRig& rig,
-                                const std::optional<types::KnownRotation>& q_current_previous,
+// it. Without an IMU: the motion from vision.
+MotionGuess predict_orientation(const std::optional<types::KnownRotation>& q_current_previous,
                                 const Registration& motion);
 
 }  // namespace divemesh::odometry

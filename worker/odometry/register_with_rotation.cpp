@@ -57,7 +57,7 @@ Registration settled(const types::RectifiedRig& rig,
     result.inliers = find_inliers(rig, pairs, T_current_previous, tolerance_px);
     for (int i = 0; i < 2 && result.inliers.size() >= kMinInliers; ++i) {
         result.T_current_previous =
-            refine_pose(rig, result.inliers, {result.T_current_previous, {}, {}})
+            refine_pose(rig, result.inliers, {result.T_current_previous, std::nullopt, 0.0})
                 .T_current_previous;
         result.inliers = find_inliers(rig, pairs, result.T_current_previous, tolerance_px);
     }
@@ -82,7 +82,7 @@ void judge(const types::RectifiedRig& rig,
            Registration& result) {
     if (!result.found) return;
     result.scale = horn_scale(result.inliers);
-    const MotionGuess motion{result.T_current_previous, rotation, {}};
+    const MotionGuess motion{result.T_current_previous, rotation, 0.0};
     result.degenerate = max_sigma_rad(rig, result.inliers, motion) > kMaxSigma_rad;
     result.found = !result.degenerate;
 }

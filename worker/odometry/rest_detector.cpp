@@ -118,7 +118,8 @@ bool RestDetector::hardly_moved(const PointPairs& pairs) const {
 // Returns T_anchor_cam: the identity if noise explains the motion, a rotation if noise explains its
 // translation; nullopt if the solver failed.
 std::optional<Eigen::Isometry3d> RestDetector::significant_motion(const PointPairs& pairs) {
-    const RefinedPose refined = refine_pose(rig_, pairs, {Eigen::Isometry3d::Identity(), {}, {}});
+    const RefinedPose refined =
+        refine_pose(rig_, pairs, {Eigen::Isometry3d::Identity(), std::nullopt, 0.0});
     if (refined.outcome.failed()) return std::nullopt;
     const Eigen::Isometry3d& T_cam_anchor = refined.T_current_previous;
     const Eigen::Vector3d turned =
@@ -127,7 +128,7 @@ std::optional<Eigen::Isometry3d> RestDetector::significant_motion(const PointPai
     Eigen::Matrix<double, 6, 1> motion;
     motion << turned, moved;
     const Eigen::Matrix<double, 6, 6> covariance =
-        motion_covariance(rig_, pairs, {T_cam_anchor, {}, {}});
+        motion_covariance(rig_, pairs, {T_cam_anchor, std::nullopt, 0.0});
     const double noise = noise_of(rig_, pairs, T_cam_anchor);
     sigma_rad_ = noise * largest_sigma(covariance.topLeftCorner<3, 3>());
     sigma_m_ = noise * largest_sigma(covariance.bottomRightCorner<3, 3>());

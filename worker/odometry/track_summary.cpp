@@ -24,8 +24,8 @@ void TrackSummary::add_frame(const types::Features& features,
     std::vector<double> depths;
     for (const PointPair& pair : motion.inliers) depths.push_back(pair.p_current.z());
     depths_m_.push_back(stats::upper_median(std::move(depths)));
-    if (!guess.disagreement_rad) return;
-    squared_disagreement_ += *guess.disagreement_rad * *guess.disagreement_rad;
+    if (!guess.rotation) return;
+    squared_disagreement_ += guess.disagreement_rad * guess.disagreement_rad;
     ++num_disagreements_;
 }
 

@@ -17,6 +17,7 @@ struct PredictedMotion {
     std::optional<types::KnownRotation> rotation;  // by the inertial sensors
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
     bool reliable = true;  // false: the rig may have moved otherwise since
+    bool by_imu = false;   // from a known velocity
 
     // Returns the predicted motion if it is reliable.
     std::optional<Eigen::Isometry3d> expected() const {
@@ -30,8 +31,9 @@ struct Observed {
     odometry::PointPairs measured;  // by their depth at both times
     odometry::PointPairs pairs;     // by landmarks where there are
     odometry::Registration vision;
-    bool predicted = true;    // the features were found where the motion model predicted them
-    bool recognised = false;  // a keyframe tells the pose, nothing the motion from the last frame
+    bool against_imu = false;  // the scene was followed by a steady motion, not by the IMU's
+    bool predicted = true;     // the features were found where the motion model predicted them
+    bool recognised = false;   // a keyframe tells the pose, nothing the motion from the last frame
 };
 
 // Returns the frame with the motion of its tracks. Features that have just appeared confirm a

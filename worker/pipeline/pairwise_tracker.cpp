@@ -47,8 +47,8 @@ TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
     const auto vision =                                               // 4
         odometry::register_points(
             rig_, pairs, odometry::kInlierTolerance_px, odometry::seed_of(options_.seed, frame));
-    const auto guess = odometry::predict_orientation(rig_, rotation, vision);  // 5
-    const auto T_current_previous =                                            // 6
+    const auto guess = odometry::predict_orientation(rotation, vision);  // 5
+    const auto T_current_previous =                                      // 6
         vision.found
             ? summary_.counted(optimisation::refine_pose_by_ceres(rig_, vision.inliers, guess))
             : expected;
@@ -62,7 +62,7 @@ TrackedFrame PairwiseTracker::process(const types::RectifiedFrame& frame) {
     const bool kept = keep_if_due(frame, depth, vision);
     TrackedFrame tracked{T_current_previous, motion_.T_world_cam(), dynamic_features_.before(), {}};
     tracked.sigma = odometry::sigma_of_motion(
-        rig_, vision, {T_current_previous, guess.rotation, {}}, base::to_s(now_ns - before_ns));
+        rig_, vision, {T_current_previous, guess.rotation, 0.0}, base::to_s(now_ns - before_ns));
     tracked.by_vision = vision.found;
     tracked.features = odometry::feature_counts(features_);
     tracked.to_map = to_map(frame, std::move(depth), vision, kept);

@@ -32,6 +32,7 @@ WindowTracker::WindowTracker(const types::RectifiedRig& rig,
     : state_(rig, recording, options, plan),
       recovery_(state_),
       rest_(rig, state_.inertial, state_.motion),
+      imu_check_(rig, state_.inertial.noise()),
       aligner_(recording, plan.left_out, plan.alignment, plan.num_alignment_rotations),
       sensors_(recording,
                {.imu = options.use_imu && recording.rig().imu_noise, .ahrs = options.use_ahrs},
@@ -59,20 +60,19 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
         motion.start(now_ns, odometry::first_pose(state_.inertial, state_.rig, now_ns));
     const std::int64_t before_ns = motion.timestamp_ns();
     const auto rotation = motion.rotation(now_ns);
-    const bool predicted_by_imu = motion.predicts_by_imu(now_ns);
-    const PredictedMotion prediction{
-        rotation, motion.predict(rotation, now_ns), motion.predicts_reliably(now_ns)};
+    const PredictedMotion prediction{rotation,
+                                     motion.predict(rotation, now_ns),
+                                     motion.predicts_reliably(now_ns),
+                                     motion.predicts_by_imu(now_ns)};
     const types::RectifiedFrame frame = synchronised(recorded, prediction);
 
     const Observed seen = observe(frame, prediction);  // 2, 3, 4
     const odometry::Registration& vision = seen.vision;
+    const bool imu_fits = check_imu(seen, prediction, {before_ns, now_ns});
     // At rest the pose by vision does not drift; by the gyroscope it would.
     const auto guess = odometry::predict_orientation(  // 5
-        state_.rig,
-        rest_.hardly_moves() ? std::nullopt : rotation,
+        rest_.hardly_moves() || !imu_fits ? std::nullopt : rotation,
         vision);
-    const bool contradicted = guess.disagreement_rad && !guess.rotation;
-    if (contradicted) state_.inertial.leave_out({before_ns, now_ns});
     const auto estimated =  // 6
         vision.found ? summary_.counted(odometry::refine_pose(state_.rig, vision.inliers, guess))
                      : prediction.T_current_previous;
@@ -93,10 +93,10 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
     const odometry::Registration not_measured;
     tracked.sigma = odometry::sigma_of_motion(state_.rig,
                                               seen.recognised ? not_measured : vision,
-                                              {T_current_previous, guess.rotation, {}},
+                                              {T_current_previous, guess.rotation, 0.0},
                                               base::to_s(now_ns - before_ns));
     tracked.by_vision = vision.found;
-    tracked.predicted_by_imu = predicted_by_imu;
+    tracked.predicted_by_imu = prediction.by_imu;
     tracked.features = odometry::feature_counts(state_.features);
     tracked.to_map = to_map(frame, vision, kept);
     state_.memory.pass(frame);
@@ -119,7 +119,39 @@ Observed WindowTracker::observe(const types::RectifiedFrame& frame,
         (state_.scene.confirms(seen.vision, expected) &&
          !odometry::explained_by_chance(state_.rig, seen.vision, num_previous, expected)))
         return seen;
+    if (auto without_imu = observe_without_imu(frame, prediction)) return std::move(*without_imu);
     return recovery_.recover(frame, prediction, std::move(seen));
+}
+
+std::optional<Observed> WindowTracker::observe_without_imu(const types::RectifiedFrame& frame,
+                                                           const PredictedMotion& prediction) {
+    if (!prediction.rotation || !prediction.reliable) return std::nullopt;
+    const odometry::DynamicFeatures dynamic_features = state_.dynamic_features;
+    const PredictedMotion steady{std::nullopt, state_.motion.predict_steadily(frame.timestamp_ns)};
+    const types::Features previous = state_.dynamic_features.with_dynamic(state_.features);
+    Observed seen = observe_frame(
+        state_, frame, state_.tracker.track_again(previous, steady.T_current_previous), steady);
+    if (odometry::well_supported(
+            state_.rig, seen.vision, odometry::num_with_depth(state_.features), std::nullopt)) {
+        seen.against_imu = true;
+        return seen;
+    }
+    state_.dynamic_features = dynamic_features;
+    return std::nullopt;
+}
+
+bool WindowTracker::check_imu(const Observed& seen,
+                              const PredictedMotion& prediction,
+                              const types::TimeInterval& time) {
+    if (!prediction.rotation || seen.recognised) return true;
+    const bool contradicted =
+        imu_check_.contradicts(seen.vision, *prediction.rotation, time) || seen.against_imu ||
+        (prediction.by_imu &&
+         imu_check_.contradicts(seen.vision, prediction.T_current_previous, time));
+    if (!contradicted) return true;
+    state_.inertial.leave_out(time);
+    sensors_.contradicted_in(time);
+    return false;
 }
 
 void WindowTracker::watch_sensors(const Observed& seen,

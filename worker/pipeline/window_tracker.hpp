@@ -6,6 +6,7 @@
 #include "worker/imu/sensor_watch.hpp"
 #include "worker/keyframes/mapping_rule.hpp"
 #include "worker/odometry/imu_aligner.hpp"
+#include "worker/odometry/imu_check.hpp"
 #include "worker/odometry/track_summary.hpp"
 #include "worker/pipeline/observe_frame.hpp"
 #include "worker/pipeline/recovery.hpp"
@@ -38,6 +39,15 @@ private:
                                        const PredictedMotion& prediction) const;
     // Steps 2 to 4, by descriptors where the prediction does not reach.
     Observed observe(const types::RectifiedFrame& frame, const PredictedMotion& prediction);
+    // Steps 2 to 4 as if there was no IMU. Returns nullopt if that follows the scene no better, or
+    // if the IMU predicted nothing.
+    std::optional<Observed> observe_without_imu(const types::RectifiedFrame& frame,
+                                                const PredictedMotion& prediction);
+    // Leaves the IMU out between two frames if vision contradicts what it predicted; returns false
+    // then.
+    bool check_imu(const Observed& seen,
+                   const PredictedMotion& prediction,
+                   const types::TimeInterval& time);
     // Takes the features to follow from the frame.
     void choose_features(const types::RectifiedFrame& frame,
                          const Observed& seen,
@@ -58,6 +68,7 @@ private:
     TrackingState state_;
     Recovery recovery_;
     RestWatch rest_;
+    odometry::ImuCheck imu_check_;
     odometry::ImuAligner aligner_;
     imu::SensorWatch sensors_;
     keyframes::MappingRule mapping_rule_;

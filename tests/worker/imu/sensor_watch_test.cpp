@@ -14,6 +14,7 @@ namespace divemesh::imu {
 namespace {
 
 constexpr int kNumFrames = 400;  // 40 s at 10 Hz
+constexpr std::int64_t kFrame_ns = 100'000'000;
 
 // A dive whose IMU readings `wrong` changes.
 template <typename Wrong>
@@ -191,6 +192,22 @@ TEST(SensorWatchTest, AnAhrsIsJudgedWithoutAnImu) {
     EXPECT_TRUE(plan->left_out.ahrs);
     EXPECT_EQ(plan->ahrs.fault, AhrsFault::Inverse);
     EXPECT_FALSE(watched(recording, *plan).watch.restart_at_end());
+}
+
+// Frames at which vision contradicts the IMU; single ones may be spoilt images.
+TEST(SensorWatchTest, WhatFramesContradictForATimeIsLeftOutThen) {
+    const synthetic::SensorRecording recording = dive(as_measured);
+    Watched watched_dive = watched(recording);
+    watched_dive.watch.contradicted_in({10 * kFrame_ns, 11 * kFrame_ns});
+    EXPECT_FALSE(watched_dive.watch.restart_at_end());
+    for (int k = 100; k < 105; ++k)
+        watched_dive.watch.contradicted_in({k * kFrame_ns, (k + 1) * kFrame_ns});
+    const auto plan = watched_dive.watch.restart_at_end();
+    ASSERT_TRUE(plan);
+    ASSERT_EQ(plan->left_out.imu_times.size(), 1U);
+    EXPECT_NEAR(static_cast<double>(plan->left_out.imu_times[0].from_ns), 1e10, 3e8);
+    EXPECT_NEAR(static_cast<double>(plan->left_out.imu_times[0].to_ns), 1.05e10, 3e8);
+    EXPECT_FALSE(plan->left_out.imu);
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ SlidingWindow swim(double noise_px, double fish_share, bool gyroscope) {
         const odometry::Registration motion = odometry::register_points(rig, pairs, 3.0, 1);
         const Eigen::Isometry3d T_now_before =
             odometry::refine_pose(
-                rig, motion.inliers, odometry::predict_orientation(rig, std::nullopt, motion))
+                rig, motion.inliers, odometry::predict_orientation(std::nullopt, motion))
                 .T_current_previous;
         const types::Keyframe keyframe{
             frame, frame * 100'000'000LL, window.T_world_cam() * T_now_before.inverse()};

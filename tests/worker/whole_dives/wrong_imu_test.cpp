@@ -152,6 +152,16 @@ TEST_F(WrongImuTest, RowsOfZerosForATimeAreLeftOut) {
         EXPECT_LT(swim(with_zeros(dive_->imu(), from_s)).ate_m, limit_m) << from_s;
 }
 
+TEST_F(WrongImuTest, AClockThatJumpsIsLeftOutFromThenOn) {
+    std::vector<types::ImuSample> imu = dive_->imu();
+    const std::int64_t jump_ns = imu.front().timestamp_ns + 8 * kSecond_ns;
+    for (types::ImuSample& sample : imu)
+        if (sample.timestamp_ns >= jump_ns) sample.timestamp_ns += kSecond_ns / 5;
+    const Swum swum = swim(imu);
+    EXPECT_TRUE(swum.has("imu_left_out_for_a_time"));
+    EXPECT_LT(swum.ate_m, tolerated_m());
+}
+
 // The path of the rendered IMU is the truth; the calibration states another place for it.
 TEST_F(WrongImuTest, AnImuElsewhereInTheRigIsFound) {
     const Eigen::Vector3d moved_m(0.12, -0.15, 0.1);

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <cstdint>
+#include <deque>
+#include <optional>
+
+#include "worker/odometry/register_points.hpp"
+#include "worker/types/known_rotation.hpp"
+#include "worker/types/rectified_rig.hpp"
+#include "worker/types/rig.hpp"
+#include "worker/types/sensors_left_out.hpp"
+
+namespace divemesh::odometry {
+
+// A check of the IMU against vision from frame to frame. It acts before a wrong sensor bends the
+// path or loses the scene; imu::SensorWatch judges over seconds. Vision has a say where most pairs
+// agree. Data sheets, clocks and axes that are hardly known explain less than what contradicts.
+class ImuCheck {
+public:
+    ImuCheck(const types::RectifiedRig& rig, const types::ImuNoise& noise)
+        : rig_(rig), noise_(noise) {}
+
+    // Takes in a rotation by the gyroscope over `time`, a step after the last one. Returns true if
+    // the inliers contradict it, or the sum of it and the steps up to half a second before: a bias
+    // that jumps shows in the sum.
+    bool contradicts(const Registration& vision,
+                     const types::KnownRotation& q_current_previous,
+                     const types::TimeInterval& time);
+    // Returns true if the inliers contradict the translation that the IMU predicted from a known
+    // velocity.
+    bool contradicts(const Registration& vision,
+                     const Eigen::Isometry3d& T_current_previous,
+                     const types::TimeInterval& time) const;
+
+private:
+    struct Step {
+        types::TimeInterval time;
+        Eigen::Vector3d error_rad;  // of the gyroscope, in the camera's axes
+        Eigen::Matrix3d covariance;
+    };
+
+    types::RectifiedRig rig_;
+    types::ImuNoise noise_;
+    std::deque<Step> steps_;
+};
+
+}  // namespace divemesh::odometry
