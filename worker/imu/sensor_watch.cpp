@@ -193,19 +193,21 @@ std::optional<SensorPlan> SensorWatch::restart_at_end() const {
     return plan;
 }
 
-// Returns the times in which a confirmed IMU was wrong, on the cameras' clock. A time that the
-// judgement of the last spans found, too long at both ends, is made as short as the times within it
-// that single spans tell; of a long time only its ends differ from what is around them.
+// Returns the times in which frames contradict the IMU, and in which a confirmed one was wrong by
+// its spans, on the cameras' clock. A time that the judgement of the last spans found, too long at
+// both ends, is made as short as the times within it that single spans tell; of a long time only
+// its ends differ from what is around them.
 std::vector<types::TimeInterval> SensorWatch::wrong_times() const {
-    if (!confirmed_) return {};
-    std::vector<types::TimeInterval> times = imu::wrong_times(samples_, turns_.spans());
+    std::vector<types::TimeInterval> times;
     for (const types::TimeInterval& time : contradicted_frames_)
         if (time.to_ns - time.from_ns >= kMinContradicted_ns)
             times.push_back(
                 {time.from_ns - kContradictionMargin_ns, time.to_ns + kContradictionMargin_ns});
+    if (!confirmed_) return joined(std::move(times));
     const auto add = [&](const std::vector<types::TimeInterval>& found) {
         times.insert(times.end(), found.begin(), found.end());
     };
+    add(imu::wrong_times(samples_, turns_.spans()));
     if (!plan_.left_out.accelerometer) add(gravity_.wrong_times());
     std::vector<types::TimeInterval> judged;
     for (const types::TimeInterval& time : contradicted_) judged.push_back(shortened(time, times));

@@ -18,6 +18,7 @@ constexpr double kMinShare = 0.7;  // of the pairs
 // sigmas.
 constexpr double kMaxSigmas = 10.0;
 constexpr double kMaxRateError_rad_s = 0.02;
+constexpr double kMaxAxesError_rad = 0.1;  // until the alignment with the cameras is estimated
 constexpr double kMaxVelocityError_m_s = 0.1;
 constexpr double kNoiseSigmas = 3.0;  // of the velocity after a second of the IMU alone
 constexpr double kMaxForceError_m_s2 = 0.5;
@@ -39,6 +40,7 @@ bool ImuCheck::contradicts(const Registration& vision,
         refine_pose(rig_, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0});
     if (seen.outcome.failed()) return false;
     Step step{time,
+              base::angle_rad(seen.T_current_previous.linear()),
               base::vector_from_rotation(Eigen::Quaterniond(seen.T_current_previous.linear()) *
                                          q_current_previous.q.conjugate()),
               motion_covariance(rig_, vision.inliers, {seen.T_current_previous, std::nullopt, 0.0})
@@ -48,12 +50,15 @@ bool ImuCheck::contradicts(const Registration& vision,
     steps_.push_back(step);
     while (time.to_ns - steps_.front().time.from_ns > kSum_ns && steps_.size() > 1)
         steps_.pop_front();
+    double turned_rad = 0.0;
     Eigen::Vector3d error_rad = Eigen::Vector3d::Zero();
     Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
     for (auto last = steps_.rbegin(); last != steps_.rend(); ++last) {
+        turned_rad += last->turned_rad;
         error_rad += last->error_rad;
         covariance += last->covariance;
-        if (error_rad.norm() > kMaxRateError_rad_s * base::to_s(time.to_ns - last->time.from_ns) &&
+        const double duration_s = base::to_s(time.to_ns - last->time.from_ns);
+        if (error_rad.norm() > kMaxRateError_rad_s * duration_s + kMaxAxesError_rad * turned_rad &&
             error_rad.dot(covariance.ldlt().solve(error_rad)) > kMaxSigmas * kMaxSigmas)
             return true;
     }
@@ -62,15 +67,17 @@ bool ImuCheck::contradicts(const Registration& vision,
 
 bool ImuCheck::contradicts(const Registration& vision,
                            const Eigen::Isometry3d& T_current_previous,
+                           double imu_alone_s,
                            const types::TimeInterval& time) const {
     if (!has_a_say(vision)) return false;
     const double dt_s = base::to_s(time.to_ns - time.from_ns);
     const double error_m = (vision.T_current_previous.inverse().translation() -
                             T_current_previous.inverse().translation())
                                .norm();
-    const double velocity_error_m_s =
-        kMaxVelocityError_m_s + kNoiseSigmas * noise_.accelerometer_noise_density;
-    if (error_m < velocity_error_m_s * dt_s + 0.5 * kMaxForceError_m_s2 * dt_s * dt_s) return false;
+    const double velocity_error_m_s = kMaxVelocityError_m_s +
+                                      kNoiseSigmas * noise_.accelerometer_noise_density +
+                                      kMaxForceError_m_s2 * imu_alone_s;
+    if (error_m < velocity_error_m_s * dt_s) return false;
     const double variance_m2 =
         motion_covariance(rig_, vision.inliers, {vision.T_current_previous, std::nullopt, 0.0})
             .bottomRightCorner<3, 3>()

@@ -28,15 +28,17 @@ public:
     bool contradicts(const Registration& vision,
                      const types::KnownRotation& q_current_previous,
                      const types::TimeInterval& time);
-    // Returns true if the inliers contradict the translation that the IMU predicted from a known
-    // velocity.
+    // Returns true if the inliers contradict the translation that the IMU predicted from a velocity
+    // that was known `imu_alone_s` ago.
     bool contradicts(const Registration& vision,
                      const Eigen::Isometry3d& T_current_previous,
+                     double imu_alone_s,
                      const types::TimeInterval& time) const;
 
 private:
     struct Step {
         types::TimeInterval time;
+        double turned_rad;
         Eigen::Vector3d error_rad;  // of the gyroscope, in the camera's axes
         Eigen::Matrix3d covariance;
     };

@@ -60,13 +60,14 @@ Eigen::Isometry3d MotionModel::steady_motion(std::int64_t timestamp_ns) const {
     return T_previous_current;
 }
 
-bool MotionModel::predicts_by_imu(std::int64_t timestamp_ns) const {
-    return inertial_state_ && !is_lost(timestamp_ns) &&
-           inertial_.motion(timestamp_ns_, timestamp_ns);
+std::optional<double> MotionModel::imu_alone_s(std::int64_t timestamp_ns) const {
+    if (!inertial_state_ || is_lost(timestamp_ns) || !inertial_.motion(timestamp_ns_, timestamp_ns))
+        return std::nullopt;
+    return base::to_s(timestamp_ns - inertial_state_->known_ns);
 }
 
 bool MotionModel::predicts_reliably(std::int64_t timestamp_ns) const {
-    if (predicts_by_imu(timestamp_ns)) return true;
+    if (imu_alone_s(timestamp_ns)) return true;
     return base::to_s(timestamp_ns - timestamp_ns_) <= kMaxExtrapolation_s;
 }
 

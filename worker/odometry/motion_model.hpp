@@ -31,8 +31,8 @@ public:
     Eigen::Isometry3d predict_steadily(std::int64_t timestamp_ns) const {
         return steady_motion(timestamp_ns).inverse();
     }
-    // Returns true if predict() is the IMU's motion from a known velocity.
-    bool predicts_by_imu(std::int64_t timestamp_ns) const;
+    // Returns the time since the velocity was known, s, if predict() is the IMU's motion from it.
+    std::optional<double> imu_alone_s(std::int64_t timestamp_ns) const;
     // Returns true if predict() is right to some pixels: by the IMU, or because too little time has
     // passed for another motion.
     bool predicts_reliably(std::int64_t timestamp_ns) const;
@@ -43,7 +43,7 @@ public:
     void correct(const Eigen::Isometry3d& T_world_cam) { T_world_cam_ = T_world_cam; }
     void correct(const Eigen::Vector3d& velocity_world,
                  const Eigen::Vector3d& gravity_direction_world) {
-        inertial_state_ = InertialState{velocity_world, gravity_direction_world};
+        inertial_state_ = InertialState{velocity_world, gravity_direction_world, timestamp_ns_};
     }
 
     // Records that the rig rests at the last pose.
@@ -65,6 +65,7 @@ private:
     struct InertialState {
         Eigen::Vector3d velocity_world;
         Eigen::Vector3d gravity_direction_world;
+        std::int64_t known_ns;
     };
 
     types::RectifiedRig rig_;

@@ -17,7 +17,8 @@ struct PredictedMotion {
     std::optional<types::KnownRotation> rotation;  // by the inertial sensors
     Eigen::Isometry3d T_current_previous = Eigen::Isometry3d::Identity();
     bool reliable = true;  // false: the rig may have moved otherwise since
-    bool by_imu = false;   // from a known velocity
+    // The time since the velocity was known from which the IMU predicts the motion, if it does.
+    std::optional<double> imu_alone_s = {};
 
     // Returns the predicted motion if it is reliable.
     std::optional<Eigen::Isometry3d> expected() const {

@@ -63,7 +63,7 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
     const PredictedMotion prediction{rotation,
                                      motion.predict(rotation, now_ns),
                                      motion.predicts_reliably(now_ns),
-                                     motion.predicts_by_imu(now_ns)};
+                                     motion.imu_alone_s(now_ns)};
     const types::RectifiedFrame frame = synchronised(recorded, prediction);
 
     const Observed seen = observe(frame, prediction);  // 2, 3, 4
@@ -96,7 +96,7 @@ TrackedFrame WindowTracker::process(const types::RectifiedFrame& recorded) {
                                               {T_current_previous, guess.rotation, 0.0},
                                               base::to_s(now_ns - before_ns));
     tracked.by_vision = vision.found;
-    tracked.predicted_by_imu = prediction.by_imu;
+    tracked.predicted_by_imu = prediction.imu_alone_s.has_value();
     tracked.features = odometry::feature_counts(state_.features);
     tracked.to_map = to_map(frame, vision, kept);
     state_.memory.pass(frame);
@@ -146,8 +146,9 @@ bool WindowTracker::check_imu(const Observed& seen,
     if (!prediction.rotation || seen.recognised) return true;
     const bool contradicted =
         imu_check_.contradicts(seen.vision, *prediction.rotation, time) || seen.against_imu ||
-        (prediction.by_imu &&
-         imu_check_.contradicts(seen.vision, prediction.T_current_previous, time));
+        (prediction.imu_alone_s &&
+         imu_check_.contradicts(
+             seen.vision, prediction.T_current_previous, *prediction.imu_alone_s, time));
     if (!contradicted) return true;
     state_.inertial.leave_out(time);
     sensors_.contradicted_in(time);

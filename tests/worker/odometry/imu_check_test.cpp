@@ -74,8 +74,8 @@ TEST(ImuCheckTest, AForceThatDoublesContradicts) {
         T_previous_current.translation().y() += error_m;
         return T_previous_current.inverse();
     };
-    EXPECT_FALSE(check.contradicts(seen(0), moved(0.002), time_of(0)));
-    EXPECT_TRUE(check.contradicts(seen(0), moved(0.5 * 9.81 * 0.1 * 0.1), time_of(0)));
+    EXPECT_FALSE(check.contradicts(seen(0), moved(0.002), 0.1, time_of(0)));
+    EXPECT_TRUE(check.contradicts(seen(0), moved(0.5 * 9.81 * 0.1 * 0.1), 0.1, time_of(0)));
 }
 
 }  // namespace
