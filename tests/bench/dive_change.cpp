@@ -29,6 +29,9 @@ constexpr types::ImuNoise kMems{.gyroscope_noise_density = 2e-3,
                                 .gyroscope_random_walk = 1e-4,
                                 .accelerometer_noise_density = 2e-2,
                                 .accelerometer_random_walk = 3e-3};
+constexpr std::int64_t kShortFailure_ns = 4'000'000'000;
+constexpr std::int64_t kClockJump_ns = 200'000'000;
+constexpr double kJump_rad_s = 0.06;
 constexpr double kGamma = 2.2;  // of the tone curve of simulated cameras
 
 // A frame of the changed dive: when it was taken, and the frame whose images it shows.
@@ -192,6 +195,25 @@ void mirror_y(std::vector<simulator::ImuRecord>& records) {
     }
 }
 
+// Changes the samples from two fifths of the dive on, or for four seconds from there.
+void fail(std::vector<simulator::ImuRecord>& records, DiveChange::Imu kind) {
+    if (records.empty()) return;
+    const std::int64_t start_ns = records.front().sample.timestamp_ns;
+    const std::int64_t from_ns = start_ns + (records.back().sample.timestamp_ns - start_ns) * 2 / 5;
+    for (std::size_t i = 0; i < records.size(); ++i) {
+        types::ImuSample& sample = records[i].sample;
+        const std::int64_t since_ns = sample.timestamp_ns - from_ns;
+        if (since_ns < 0) continue;
+        const bool is_short = since_ns < kShortFailure_ns;
+        if (kind == DiveChange::Imu::GyroscopeStops && is_short)
+            sample.angular_velocity_imu.setConstant(i % 2 == 0 ? 1e-4 : -1e-4);
+        if (kind == DiveChange::Imu::ForcesDouble && is_short) sample.acceleration_imu *= 2.0;
+        if (kind == DiveChange::Imu::BiasJumps)
+            sample.angular_velocity_imu += kJump_rad_s * Eigen::Vector3d(0.8, -0.6, 0.0);
+        if (kind == DiveChange::Imu::ClockJumps) sample.timestamp_ns += kClockJump_ns;
+    }
+}
+
 void write_imu(const dive::Dive& dive,
                const fs::path& other,
                const DiveChange& change,
@@ -213,7 +235,7 @@ void write_imu(const dive::Dive& dive,
         case DiveChange::Imu::NoiseTooLarge: stated = times(stated, 100.0); break;
         case DiveChange::Imu::Late: late_ns += static_cast<std::int64_t>(kLate_ns); break;
         case DiveChange::Imu::Mirrored: mirror_y(records); break;
-        default: break;
+        default: fail(records, change.imu); break;
     }
     for (simulator::ImuRecord& record : records) record.sample.timestamp_ns += late_ns;
     simulator::write_imu_files(folder, stated, records);

@@ -15,7 +15,11 @@ struct DiveChange {
         NoiseTooLarge,  // stated as a hundred times the true noise
         Late,           // by 250 ms
         Mirrored,       // y of both sensors
-        OtherDive
+        OtherDive,
+        GyroscopeStops,  // noise alone, for four seconds from two fifths of the dive on
+        ForcesDouble,    // for the same time
+        BiasJumps,       // of the gyroscope, by 0.06 rad/s from two fifths of the dive on
+        ClockJumps       // by 200 ms from two fifths of the dive on
     };
 
     int keep_every = 1;          // of the frames

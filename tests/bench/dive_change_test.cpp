@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <opencv2/imgcodecs.hpp>
+#include <tuple>
 
 #include "tests/bench/frame_overlap.hpp"
 #include "tests/bench/images.hpp"
@@ -130,6 +131,33 @@ TEST_F(DiveChangeTest, LyingImusLieAsNamed) {
     EXPECT_NEAR(changed({.imu = Imu::NoiseTooSmall})->rig().imu_noise->gyroscope_noise_density,
                 0.01 * stated,
                 1e-3 * stated);
+}
+
+TEST_F(DiveChangeTest, ImusThatFailDoSoFromTwoFifthsOn) {
+    using Imu = DiveChange::Imu;
+    const auto& exact = plain_->imu();
+    const std::size_t before = exact.size() / 5;
+    const std::size_t after = exact.size() - 2;
+    const auto difference = [&](Imu kind, std::size_t i) {
+        const types::ImuSample sample = changed({.imu = kind})->imu().at(i);
+        return std::tuple{(sample.angular_velocity_imu - exact[i].angular_velocity_imu).norm(),
+                          (sample.acceleration_imu - exact[i].acceleration_imu).norm(),
+                          static_cast<double>(sample.timestamp_ns - exact[i].timestamp_ns)};
+    };
+    for (const Imu kind :
+         {Imu::GyroscopeStops, Imu::ForcesDouble, Imu::BiasJumps, Imu::ClockJumps}) {
+        const auto [rate, force, time] = difference(kind, before);
+        EXPECT_LT(rate + force + time, 1e-6);
+    }
+    EXPECT_NEAR(std::get<0>(difference(Imu::BiasJumps, after)), 0.06, 1e-6);
+    EXPECT_NEAR(std::get<2>(difference(Imu::ClockJumps, after)), 2e8, 1.0);
+    const std::size_t within = exact.size() * 9 / 20;
+    EXPECT_NEAR(std::get<1>(difference(Imu::ForcesDouble, within)),
+                exact[within].acceleration_imu.norm(),
+                1e-6);
+    EXPECT_NEAR(std::get<0>(difference(Imu::GyroscopeStops, within)),
+                exact[within].angular_velocity_imu.norm(),
+                1e-3);
 }
 
 TEST_F(DiveChangeTest, MemsImuHasTheNoiseThatItStates) {

@@ -82,7 +82,11 @@ EnvelopeAxis imus() {
                                                  {"noise stated too large", Imu::NoiseTooLarge},
                                                  {"250 ms late", Imu::Late},
                                                  {"y mirrored", Imu::Mirrored},
-                                                 {"of another dive", Imu::OtherDive}};
+                                                 {"of another dive", Imu::OtherDive},
+                                                 {"gyroscope stops", Imu::GyroscopeStops},
+                                                 {"forces double", Imu::ForcesDouble},
+                                                 {"bias jumps", Imu::BiasJumps},
+                                                 {"clock jumps", Imu::ClockJumps}};
     for (const auto& [label, kind] : kinds)
         axis.steps.push_back(changed(label, [&](DiveChange& change) { change.imu = kind; }));
     return axis;
