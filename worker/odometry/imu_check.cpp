@@ -1,8 +1,8 @@
 #include "worker/odometry/imu_check.hpp"
 
 #include <Eigen/Cholesky>
-#include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"

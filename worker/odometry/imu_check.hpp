@@ -4,7 +4,6 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <deque>
-#include <optional>
 
 #include "worker/odometry/register_points.hpp"
 #include "worker/types/known_rotation.hpp"
@@ -16,7 +15,7 @@ namespace divemesh::odometry {
 
 // A check of the IMU against vision from frame to frame. It acts before a wrong sensor bends the
 // path or loses the scene; imu::SensorWatch judges over seconds. Vision has a say where most pairs
-// agree. Data sheets, clocks and axes that are hardly known explain less than what contradicts.
+// agree. Its limits allow for noise, clocks and axes that are not estimated yet.
 class ImuCheck {
 public:
     ImuCheck(const types::RectifiedRig& rig, const types::ImuNoise& noise)

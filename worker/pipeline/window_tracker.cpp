@@ -125,7 +125,8 @@ Observed WindowTracker::observe(const types::RectifiedFrame& frame,
 
 std::optional<Observed> WindowTracker::observe_without_imu(const types::RectifiedFrame& frame,
                                                            const PredictedMotion& prediction) {
-    if (!prediction.rotation || !prediction.reliable) return std::nullopt;
+    if (!prediction.rotation || !prediction.reliable || !state_.inertial.has_gyroscope())
+        return std::nullopt;
     const odometry::DynamicFeatures dynamic_features = state_.dynamic_features;
     const PredictedMotion steady{std::nullopt, state_.motion.predict_steadily(frame.timestamp_ns)};
     const types::Features previous = state_.dynamic_features.with_dynamic(state_.features);
@@ -143,7 +144,8 @@ std::optional<Observed> WindowTracker::observe_without_imu(const types::Rectifie
 bool WindowTracker::check_imu(const Observed& seen,
                               const PredictedMotion& prediction,
                               const types::TimeInterval& time) {
-    if (!prediction.rotation || seen.recognised) return true;
+    // Without a gyroscope the rotation is that of the AHRS, which SensorWatch judges.
+    if (!prediction.rotation || !state_.inertial.has_gyroscope() || seen.recognised) return true;
     const bool contradicted =
         imu_check_.contradicts(seen.vision, *prediction.rotation, time) || seen.against_imu ||
         (prediction.imu_alone_s &&
