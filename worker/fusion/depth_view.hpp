@@ -58,6 +58,10 @@ public:
         const auto width = static_cast<std::size_t>(rig_.width_px);
         return {pixels_.data() + v_px * width, width};
     }
+    std::span<const SurfacePixel> row(int v_px) const {
+        const auto width = static_cast<std::size_t>(rig_.width_px);
+        return {pixels_.data() + v_px * width, width};
+    }
     const SurfacePixel* pixels() const { return pixels_.data(); }  // row by row
     int step_px() const { return step_px_; }                       // keyframe pixels per pixel
     const cv::Mat& image() const { return image_; }                // CV_8UC3, at full resolution

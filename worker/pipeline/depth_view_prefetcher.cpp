@@ -3,9 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "worker/fusion/unshared_depth.hpp"
-
 namespace divemesh::pipeline {
+namespace {
+
+constexpr int kStep_px = 4;  // of the neighbours' disparities
+
+}  // namespace
 
 DepthViewPrefetcher::DepthViewPrefetcher(const types::RectifiedRig& rig,
                                          VoxelAt voxel_at,
@@ -29,15 +32,17 @@ std::shared_ptr<const fusion::DepthView> DepthViewPrefetcher::next() {
     return view;
 }
 
-// Returns the motions from a frame's camera to those of the frames before and after it.
-std::vector<Eigen::Isometry3d> DepthViewPrefetcher::motions_to_neighbours(std::size_t frame) const {
+// Returns the frames before and after a frame, with what they measured.
+std::vector<fusion::OtherFrame> DepthViewPrefetcher::neighbours_of(std::size_t frame) const {
     const std::size_t begin = frame - std::min(frame, kNeighbours);
     const std::size_t end = std::min(frames_.size(), frame + kNeighbours + 1);
-    std::vector<Eigen::Isometry3d> motions;
+    std::vector<fusion::OtherFrame> neighbours;
     for (std::size_t other = begin; other < end; ++other)
         if (other != frame && frames_[other].segment == frames_[frame].segment)
-            motions.push_back(frames_[other].T_world_cam.inverse() * frames_[frame].T_world_cam);
-    return motions;
+            neighbours.push_back({frames_[other].T_world_cam.inverse() * frames_[frame].T_world_cam,
+                                  store_.read_disparities(frames_[other].frame_index, kStep_px),
+                                  kStep_px});
+    return neighbours;
 }
 
 void DepthViewPrefetcher::fetch(Lane& lane) {
@@ -51,7 +56,7 @@ void DepthViewPrefetcher::fetch(Lane& lane) {
                 ? fusion::choose_sampling(rig_, images.depth, voxel_at_(rig_.depth_m(disparity_px)))
                 : fusion::Sampling::Full;
         auto view = std::make_shared<fusion::DepthView>(rig_, images, sampling);
-        fusion::mark_unshared(motions_to_neighbours(frame), *view);
+        fusion::mark_unshared(neighbours_of(frame), *view);
         lane.view = std::move(view);
     });
 }

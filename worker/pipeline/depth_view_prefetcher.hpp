@@ -8,6 +8,7 @@
 
 #include "worker/base/background_task.hpp"
 #include "worker/fusion/depth_view.hpp"
+#include "worker/fusion/unshared_depth.hpp"
 #include "worker/keyframes/keyframe_store.hpp"
 #include "worker/types/keyframe.hpp"
 
@@ -45,7 +46,7 @@ private:
         base::BackgroundTask task;  // declared last, so that it ends before its target is destroyed
     };
     void fetch(Lane& lane);
-    std::vector<Eigen::Isometry3d> motions_to_neighbours(std::size_t frame) const;
+    std::vector<fusion::OtherFrame> neighbours_of(std::size_t frame) const;
 
     const types::RectifiedRig rig_;
     const VoxelAt voxel_at_;

@@ -227,11 +227,12 @@ TEST(TsdfVolume, WhatNoOtherViewCouldSeeIsSurface) {
     auto poses = views_from_above(8, 1.2);
     poses.push_back(elsewhere);
     auto volume = make_volume(choose_settings(small_rig(), options, 1.0), options);
+    const cv::Mat measured =
+        render_view(floor, small_rig(), poses.front()).images.depth.disparity_px;
     for (const auto& pose : poses) {
         const auto view = render_view(floor, small_rig(), pose);
         DepthView depth(small_rig(), view.images);
-        const std::vector<Eigen::Isometry3d> motions{poses.front().inverse() * pose};
-        mark_unshared(motions, depth);
+        mark_unshared(std::vector{OtherFrame{poses.front().inverse() * pose, measured}}, depth);
         volume->add(view.keyframe, depth);
     }
     const types::Mesh mesh = surface_of(*volume, options);
