@@ -9,6 +9,7 @@
 #include "api/read_nonblocking.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
+#include "api/target.hpp"
 #include "storage/token_store.hpp"
 
 namespace divemesh::api {
@@ -59,9 +60,18 @@ void refuse_token_in_address(const Request& request) {
                 "a token must not be part of the address: send it as Authorization: Bearer");
 }
 
-Awaitable<Token> find_one_shot(std::string secret, std::string path, Services services) {
-    auto find = [secret = std::move(secret), path = std::move(path)](storage::Catalog& catalog) {
-        return storage::TokenStore(catalog).find_one_shot(secret, path);
+// Returns the query that a one-shot token may be bound to.
+std::string bound_query(const Request& request) {
+    auto query = request.query;
+    query.erase(kOneShot);
+    return query_text(query);
+}
+
+Awaitable<Token> find_one_shot(std::string secret, Request request, Services services) {
+    auto find = [secret = std::move(secret),
+                 request = std::move(request)](storage::Catalog& catalog) {
+        return storage::TokenStore(catalog).find_one_shot(
+            secret, request.path, bound_query(request));
     };
     auto token = co_await read_nonblocking(services, std::move(find));
     if (!token) throw one_shot_used_up();
@@ -96,14 +106,14 @@ Awaitable<Token> authenticate(Request request, Services services, RouteKind kind
                 ErrorCode::InvalidArgument,
                 "a one-shot token is only for GET of files and event streams: send another token");
         std::string one_shot = request.query.at(kOneShot);
-        co_return co_await find_one_shot(std::move(one_shot), request.path, services);
+        co_return co_await find_one_shot(std::move(one_shot), std::move(request), services);
     }
     if (auto cookie = session_secret(request))
         co_return co_await find_session_token(
             std::move(request), services, kind, std::move(*cookie));
     auto one_shot = bearer_one_shot(request);
     if (one_shot && request.method == verb::post && request.path == kSessionPath)
-        co_return co_await find_one_shot(std::move(*one_shot), request.path, services);
+        co_return co_await find_one_shot(std::move(*one_shot), std::move(request), services);
     co_return co_await find_token(bearer_secret(request), services);
 }
 
@@ -122,7 +132,7 @@ Awaitable<void> use_up_one_shot(Request request, Services services) {
     if (services.no_auth || !request.query.contains(kOneShot)) co_return;
     auto work = [&catalog = services.catalog, request = std::move(request)] {
         return storage::TokenStore(catalog)
-            .redeem_one_shot(request.query.at(kOneShot), request.path)
+            .redeem_one_shot(request.query.at(kOneShot), request.path, bound_query(request))
             .has_value();
     };
     const bool redeemed = co_await in_pool(services.pool, std::move(work));
