@@ -16,6 +16,7 @@
 #include "storage/schedule_store.hpp"
 #include "storage/sensor_store.hpp"
 #include "storage/webhook_store.hpp"
+#include "storage/worker_store.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -121,6 +122,9 @@ void run_schedules(const Services& services) {
 
 void end_lost_leases(const Services& services) {
     attempt("leases", services, [&] { storage::JobStore(services.catalog).requeue_expired(); });
+    attempt("lost workers", services, [&] {
+        storage::WorkerStore(services.catalog).forget_silent(services.limits.keep_lost_workers);
+    });
 }
 
 }  // namespace divemesh::api

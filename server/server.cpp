@@ -89,6 +89,7 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     if (limits.tls) limits.hsts = config.hsts;  // RFC 6797, 7.2
     limits.allowed_origins = config.allowed_origins;
     limits.frame_ancestors = config.frame_ancestors;
+    limits.keep_lost_workers = config.keep_lost_workers;
     limits.webhook_networks = api::AllowedNetworks(config.webhook_networks);
     limits.trusted_proxies = api::AllowedNetworks(config.trusted_proxies);
     limits.public_url = api::checked_public_url(config.public_url);
