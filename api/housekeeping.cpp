@@ -108,15 +108,15 @@ void watch_sensors(const Services& services) {
 }
 
 void run_schedules(const Services& services) {
+    const auto note = [](soci::session& session, const Schedule& schedule, int num_jobs) {
+        append_audit_event(session,
+                           "schedule " + schedule.id,
+                           std::to_string(num_jobs) + " reports of the tag " + schedule.tag +
+                               " in project " + schedule.project);
+    };
     attempt("schedules", services, [&] {
         storage::ScheduleStore(services.catalog)
-            .run_due(DIVEMESH_VERSION,
-                     [](soci::session& session, const Schedule& schedule, int num_jobs) {
-                         append_audit_event(session,
-                                            "schedule " + schedule.id,
-                                            std::to_string(num_jobs) + " reports of the tag " +
-                                                schedule.tag + " in project " + schedule.project);
-                     });
+            .run_due(DIVEMESH_VERSION, note, services.limits.max_project_bytes);
     });
 }
 
