@@ -34,6 +34,7 @@
 #include "server/http_session.hpp"
 #include "server/listen_address.hpp"
 #include "server/tls.hpp"
+#include "server/warning_pace.hpp"
 #include "server/webhook_sender.hpp"
 #include "storage/data_id.hpp"
 #include "storage/token_store.hpp"
@@ -49,6 +50,7 @@ using namespace std::chrono_literals;
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 constexpr std::chrono::milliseconds kMaxPendingDivesPause = 1h;
 constexpr std::chrono::milliseconds kBusyPendingDivesPause = 1s;
+constexpr std::chrono::milliseconds kAcceptWarningEvery = 30s;
 
 ServerConfig with_defaults(ServerConfig config) {
     const fs::path data = fs::absolute(config.data);
@@ -87,9 +89,9 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     limits.keep_deleted = config.keep_deleted;
     limits.tls = !config.tls_certificate.empty();
     if (limits.tls) limits.hsts = config.hsts;  // RFC 6797, 7.2
+    limits.keep_lost_workers = config.keep_lost_workers;
     limits.allowed_origins = config.allowed_origins;
     limits.frame_ancestors = config.frame_ancestors;
-    limits.keep_lost_workers = config.keep_lost_workers;
     limits.webhook_networks = api::AllowedNetworks(config.webhook_networks);
     limits.trusted_proxies = api::AllowedNetworks(config.trusted_proxies);
     limits.public_url = api::checked_public_url(config.public_url);
@@ -250,10 +252,14 @@ asio::awaitable<void> Server::Implementation::accept() {
     asio::steady_timer pause(io);
     while (!stopping) {
         auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kAwaitErrors);
+    WarningPace pace(kAcceptWarningEvery);
         if (!error) {
             spawn_session(std::move(socket));
         } else if (!stopping) {  // no file descriptor is left, or the client has gone
-            log_warning({{"event", "accept_failed"}, {"what", error.message()}});
+            if (const auto num_left_out = pace.pass(WarningPace::Clock::now()))
+                log_warning({{"event", "accept_failed"},
+                             {"what", error.message()},
+                             {"num_left_out", *num_left_out}});
             pause.expires_after(50ms);
             co_await pause.async_wait(kAwaitErrors);
         }
