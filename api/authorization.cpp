@@ -1,15 +1,17 @@
 #include "api/authorization.hpp"
 
 #include <algorithm>
+#include <boost/asio/ip/address_v4.hpp>
 #include <boost/beast/core/string.hpp>
 
 #include "api/browser_session.hpp"
 #include "api/cors.hpp"
 #include "api/in_pool.hpp"
+#include "api/public_url.hpp"
 #include "api/read_nonblocking.hpp"
+#include "api/target.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
-#include "api/target.hpp"
 #include "storage/token_store.hpp"
 
 namespace divemesh::api {
@@ -18,8 +20,24 @@ namespace {
 constexpr const char* kOneShot = "one_shot";
 constexpr std::string_view kBearer = "Bearer ";
 
-// Without tokens a browser would do whatever any page that is open in it asks.
+bool is_loopback_host(const std::string& host) {
+    const auto port = host.rfind(':');
+    const bool has_port = port != std::string::npos && !host.ends_with(']');
+    const std::string name = has_port ? host.substr(0, port) : host;
+    if (name == "localhost" || name == "[::1]") return true;
+    boost::system::error_code failure;
+    const auto address = boost::asio::ip::make_address_v4(name, failure);
+    return !failure && address.is_loopback();
+}
+
+// Without tokens a browser would do whatever any page that is open in it asks. A page whose own
+// name leads to this machine (DNS rebinding) would even be of the same origin.
 void refuse_other_pages(const Request& request, const ServiceLimits& limits) {
+    const std::string host = request.header("host");
+    if (!is_loopback_host(host) && !public_origin(limits).ends_with("://" + host))
+        throw Error(ErrorCode::Forbidden,
+                    "without tokens this server answers only to its own name, not to " + host +
+                        ": use 127.0.0.1 or localhost, or state the name with --public-url");
     const bool reads = request.method == verb::get || request.method == verb::head ||
                        request.method == verb::options;
     if (!reads && !is_allowed_origin(request, limits))

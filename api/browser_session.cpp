@@ -26,12 +26,15 @@ bool is_same_secret(const std::string& a, const std::string& b) {
     return sha256_hex(a) == sha256_hex(b);
 }
 
-void require_own_page(const Request& request, RouteKind kind, const std::string& secret) {
+void require_own_page(const Request& request,
+                      const ServiceLimits& limits,
+                      RouteKind kind,
+                      const std::string& secret) {
     const bool is_socket = kind == RouteKind::WebSocket;
     const bool reads = request.method == verb::get || request.method == verb::head ||
                        request.method == verb::options;
     if (reads && !is_socket) return;
-    if ((is_socket || request.has_header("origin")) && !is_own_origin(request))
+    if ((is_socket || request.has_header("origin")) && !is_own_origin(request, limits))
         throw Error(
             ErrorCode::Forbidden,
             "a session is only for pages of this server: the Origin must be its address, or "
@@ -83,7 +86,7 @@ Awaitable<Token> find_session_token(Request request,
         throw Error(ErrorCode::Unauthorized,
                     "this session has ended: sign in again, or send a token as Authorization: "
                     "Bearer");
-    require_own_page(request, kind, secret);
+    require_own_page(request, services.limits, kind, secret);
     co_return session->token;
 }
 

@@ -503,3 +503,23 @@ TEST(OpenSessionTest, WithoutAuthenticationAPageOfAnotherOriginChangesNothing) {
 
 }  // namespace
 }  // namespace divemesh
+// A name of somebody else's page may lead to this machine: then its Origin and Host agree.
+TEST(OpenSessionTest, WithoutAuthenticationOnlyTheServersOwnNameIsAnswered) {
+    server::ServerConfig config;
+    config.no_auth = true;
+    config.public_url = "https://lab.example/dives";
+    TestServer server(config);
+    const auto read = [&](const std::string& host) {
+        RawClient client(server.port());
+        client.send("GET /api/v1/dives HTTP/1.1\r\nHost: " + host + "\r\nOrigin: http://" + host +
+                    "\r\n\r\n");
+        return client.receive().value_or(RawResponse{}).status;
+    };
+    EXPECT_EQ(read("evil.example"), 403);
+    EXPECT_EQ(read("evil.example:8080"), 403);
+    EXPECT_EQ(read("127.0.0.1.evil.example"), 403);
+    for (const char* own :
+         {"127.0.0.1", "127.0.0.1:8080", "localhost:8080", "[::1]:8080", "lab.example"})
+        EXPECT_EQ(read(own), 200) << own;
+}
+
