@@ -126,7 +126,7 @@ Awaitable<Token> authenticate(Request request, Services services, RouteKind kind
         std::string one_shot = request.query.at(kOneShot);
         co_return co_await find_one_shot(std::move(one_shot), std::move(request), services);
     }
-    if (auto cookie = session_secret(request))
+    if (auto cookie = session_secret(request, services.limits))
         co_return co_await find_session_token(
             std::move(request), services, kind, std::move(*cookie));
     auto one_shot = bearer_one_shot(request);

@@ -14,6 +14,17 @@ namespace divemesh::api {
 namespace {
 
 constexpr std::string_view kCookie = "divemesh_session";
+// Over TLS: a browser takes it from this host alone, so no neighbour can put another in its place
+// (RFC 6265bis, 4.1.3.2).
+constexpr std::string_view kSecureCookie = "__Host-divemesh_session";
+
+bool is_over_tls(const Request& request, const ServiceLimits& limits) {
+    return limits.tls || request.is_https;
+}
+
+std::string_view cookie_name(const Request& request, const ServiceLimits& limits) {
+    return is_over_tls(request, limits) ? kSecureCookie : kCookie;
+}
 
 std::string_view trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(' ');
@@ -56,14 +67,15 @@ std::optional<Token> token_to_sign_in_with(storage::TokenStore tokens, const std
 
 }  // namespace
 
-std::optional<std::string> session_secret(const Request& request) {
+std::optional<std::string> session_secret(const Request& request, const ServiceLimits& limits) {
     if (request.has_header("authorization")) return std::nullopt;
     const std::string cookies = request.header("cookie");
+    const std::string_view name = cookie_name(request, limits);
     for (std::size_t start = 0; start < cookies.size();) {
         const std::size_t end = std::min(cookies.find(';', start), cookies.size());
         const auto pair = trimmed(std::string_view(cookies).substr(start, end - start));
         const auto equals = pair.find('=');
-        if (equals != std::string_view::npos && pair.substr(0, equals) == kCookie)
+        if (equals != std::string_view::npos && pair.substr(0, equals) == name)
             return std::string(pair.substr(equals + 1));
         start = end + 1;
     }
@@ -111,9 +123,9 @@ void set_session_cookie(const Request& request,
                         Response& response) {
     const auto age =
         secret.empty() ? std::chrono::seconds(0) : std::chrono::seconds(storage::kSessionLifetime);
-    const bool is_secure = limits.tls || request.is_https;
+    const bool is_secure = is_over_tls(request, limits);
     response.set("Set-Cookie",
-                 std::string(kCookie) + "=" + secret +
+                 std::string(cookie_name(request, limits)) + "=" + secret +
                      "; Path=/; Max-Age=" + std::to_string(age.count()) +
                      "; HttpOnly; SameSite=Strict" + (is_secure ? "; Secure" : ""));
 }

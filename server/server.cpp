@@ -55,7 +55,9 @@ constexpr std::chrono::milliseconds kAcceptWarningEvery = 30s;
 ServerConfig with_defaults(ServerConfig config) {
     const fs::path data = fs::absolute(config.data);
     std::error_code failure;
-    fs::create_directories(data, failure);
+    const bool is_new = fs::create_directories(data, failure);
+    if (!failure && is_new)  // recordings, positions and the secrets of webhooks are in it
+        fs::permissions(data, fs::perms::others_all, fs::perm_options::remove, failure);
     if (failure)
         throw Error(ErrorCode::Unavailable,
                     "cannot create the data folder " + data.string() + ": " + failure.message());
@@ -87,9 +89,9 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     limits.max_project_bytes = config.max_project_bytes;
     limits.max_project_dives = config.max_project_dives;
     limits.keep_deleted = config.keep_deleted;
+    limits.keep_lost_workers = config.keep_lost_workers;
     limits.tls = !config.tls_certificate.empty();
     if (limits.tls) limits.hsts = config.hsts;  // RFC 6797, 7.2
-    limits.keep_lost_workers = config.keep_lost_workers;
     limits.allowed_origins = config.allowed_origins;
     limits.frame_ancestors = config.frame_ancestors;
     limits.webhook_networks = api::AllowedNetworks(config.webhook_networks);
@@ -250,9 +252,9 @@ void Server::Implementation::spawn_session(tcp::socket socket) {
 
 asio::awaitable<void> Server::Implementation::accept() {
     asio::steady_timer pause(io);
+    WarningPace pace(kAcceptWarningEvery);
     while (!stopping) {
         auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kAwaitErrors);
-    WarningPace pace(kAcceptWarningEvery);
         if (!error) {
             spawn_session(std::move(socket));
         } else if (!stopping) {  // no file descriptor is left, or the client has gone

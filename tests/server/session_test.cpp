@@ -117,6 +117,7 @@ TEST_F(SessionBehindProxyTest, TheCookieIsForTlsAloneIfTheProxySpeaksIt) {
     const auto response =
         post_session(editor, {{"X-Forwarded-For", "192.0.2.7"}, {"X-Forwarded-Proto", "https"}});
     EXPECT_TRUE(response.header("set-cookie").ends_with("; Secure"));
+    EXPECT_TRUE(response.header("set-cookie").starts_with("__Host-divemesh_session="));
 }
 
 TEST_F(SessionTest, ASharingLinkOpensItsJobAloneUntilItIsWithdrawn) {
@@ -328,6 +329,7 @@ TEST_F(SessionTest, SigningOutEndsItAndTheBrowserForgetsTheCookie) {
     const auto out = change(browser, "DELETE", kSession);
     EXPECT_EQ(out.status, 204);
     EXPECT_TRUE(out.header("set-cookie").starts_with("divemesh_session=; Path=/; Max-Age=0"));
+    EXPECT_EQ(out.header("clear-site-data"), "\"cache\"");
     EXPECT_EQ(ask(browser, "GET", "/api/v1/dives").status, 401);
     EXPECT_EQ(change(browser, "DELETE", kSession).status, 401);
     EXPECT_EQ(ask(other, "GET", "/api/v1/dives").status, 200);
@@ -501,8 +503,6 @@ TEST(OpenSessionTest, WithoutAuthenticationAPageOfAnotherOriginChangesNothing) {
     EXPECT_NE(redrive({}), 403);
 }
 
-}  // namespace
-}  // namespace divemesh
 // A name of somebody else's page may lead to this machine: then its Origin and Host agree.
 TEST(OpenSessionTest, WithoutAuthenticationOnlyTheServersOwnNameIsAnswered) {
     server::ServerConfig config;
@@ -523,3 +523,5 @@ TEST(OpenSessionTest, WithoutAuthenticationOnlyTheServersOwnNameIsAnswered) {
         EXPECT_EQ(read(own), 200) << own;
 }
 
+}  // namespace
+}  // namespace divemesh
