@@ -36,6 +36,7 @@
 #include "server/tls.hpp"
 #include "server/warning_pace.hpp"
 #include "server/webhook_sender.hpp"
+#include "storage/data_folder.hpp"
 #include "storage/data_id.hpp"
 #include "storage/token_store.hpp"
 
@@ -55,9 +56,7 @@ constexpr std::chrono::milliseconds kAcceptWarningEvery = 30s;
 ServerConfig with_defaults(ServerConfig config) {
     const fs::path data = fs::absolute(config.data);
     std::error_code failure;
-    const bool is_new = fs::create_directories(data, failure);
-    if (!failure && is_new)  // recordings, positions and the secrets of webhooks are in it
-        fs::permissions(data, fs::perms::others_all, fs::perm_options::remove, failure);
+    storage::create_data_folder(data, failure);
     if (failure)
         throw Error(ErrorCode::Unavailable,
                     "cannot create the data folder " + data.string() + ": " + failure.message());
