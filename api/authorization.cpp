@@ -1,12 +1,15 @@
 #include "api/authorization.hpp"
 
 #include <algorithm>
+#include <boost/asio/ip/address_v4.hpp>
 #include <boost/beast/core/string.hpp>
 
 #include "api/browser_session.hpp"
 #include "api/cors.hpp"
 #include "api/in_pool.hpp"
+#include "api/public_url.hpp"
 #include "api/read_nonblocking.hpp"
+#include "api/target.hpp"
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "storage/token_store.hpp"
@@ -17,8 +20,25 @@ namespace {
 constexpr const char* kOneShot = "one_shot";
 constexpr std::string_view kBearer = "Bearer ";
 
-// Without tokens a browser would do whatever any page that is open in it asks.
+bool is_loopback_host(const std::string& host) {
+    const auto port = host.rfind(':');
+    const bool has_port = port != std::string::npos && !host.ends_with(']');
+    const std::string name = has_port ? host.substr(0, port) : host;
+    if (name == "localhost" || name == "[::1]") return true;
+    boost::system::error_code failure;
+    const auto address = boost::asio::ip::make_address_v4(name, failure);
+    return !failure && address.is_loopback();
+}
+
+// Without tokens a browser would do whatever any page that is open in it asks. A page whose own
+// name leads to this machine (DNS rebinding) would even be of the same origin.
 void refuse_other_pages(const Request& request, const ServiceLimits& limits) {
+    const std::string host = request.header("host");
+    // Browsers name the host always.
+    if (!host.empty() && !is_loopback_host(host) && !public_origin(limits).ends_with("://" + host))
+        throw Error(ErrorCode::Forbidden,
+                    "without tokens this server answers only to its own name, not to " + host +
+                        ": use 127.0.0.1 or localhost, or state the name with --public-url");
     const bool reads = request.method == verb::get || request.method == verb::head ||
                        request.method == verb::options;
     if (!reads && !is_allowed_origin(request, limits))
@@ -59,9 +79,18 @@ void refuse_token_in_address(const Request& request) {
                 "a token must not be part of the address: send it as Authorization: Bearer");
 }
 
-Awaitable<Token> find_one_shot(std::string secret, std::string path, Services services) {
-    auto find = [secret = std::move(secret), path = std::move(path)](storage::Catalog& catalog) {
-        return storage::TokenStore(catalog).find_one_shot(secret, path);
+// Returns the query that a one-shot token may be bound to.
+std::string bound_query(const Request& request) {
+    auto query = request.query;
+    query.erase(kOneShot);
+    return query_text(query);
+}
+
+Awaitable<Token> find_one_shot(std::string secret, Request request, Services services) {
+    auto find = [secret = std::move(secret),
+                 request = std::move(request)](storage::Catalog& catalog) {
+        return storage::TokenStore(catalog).find_one_shot(
+            secret, request.path, bound_query(request));
     };
     auto token = co_await read_nonblocking(services, std::move(find));
     if (!token) throw one_shot_used_up();
@@ -96,14 +125,14 @@ Awaitable<Token> authenticate(Request request, Services services, RouteKind kind
                 ErrorCode::InvalidArgument,
                 "a one-shot token is only for GET of files and event streams: send another token");
         std::string one_shot = request.query.at(kOneShot);
-        co_return co_await find_one_shot(std::move(one_shot), request.path, services);
+        co_return co_await find_one_shot(std::move(one_shot), std::move(request), services);
     }
-    if (auto cookie = session_secret(request))
+    if (auto cookie = session_secret(request, services.limits))
         co_return co_await find_session_token(
             std::move(request), services, kind, std::move(*cookie));
     auto one_shot = bearer_one_shot(request);
     if (one_shot && request.method == verb::post && request.path == kSessionPath)
-        co_return co_await find_one_shot(std::move(*one_shot), request.path, services);
+        co_return co_await find_one_shot(std::move(*one_shot), std::move(request), services);
     co_return co_await find_token(bearer_secret(request), services);
 }
 
@@ -122,7 +151,7 @@ Awaitable<void> use_up_one_shot(Request request, Services services) {
     if (services.no_auth || !request.query.contains(kOneShot)) co_return;
     auto work = [&catalog = services.catalog, request = std::move(request)] {
         return storage::TokenStore(catalog)
-            .redeem_one_shot(request.query.at(kOneShot), request.path)
+            .redeem_one_shot(request.query.at(kOneShot), request.path, bound_query(request))
             .has_value();
     };
     const bool redeemed = co_await in_pool(services.pool, std::move(work));

@@ -14,6 +14,17 @@ namespace divemesh::api {
 namespace {
 
 constexpr std::string_view kCookie = "divemesh_session";
+// Over TLS: a browser takes it from this host alone, so no neighbour can put another in its place
+// (RFC 6265bis, 4.1.3.2).
+constexpr std::string_view kSecureCookie = "__Host-divemesh_session";
+
+bool is_over_tls(const Request& request, const ServiceLimits& limits) {
+    return limits.tls || request.is_https;
+}
+
+std::string_view cookie_name(const Request& request, const ServiceLimits& limits) {
+    return is_over_tls(request, limits) ? kSecureCookie : kCookie;
+}
 
 std::string_view trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(' ');
@@ -26,12 +37,15 @@ bool is_same_secret(const std::string& a, const std::string& b) {
     return sha256_hex(a) == sha256_hex(b);
 }
 
-void require_own_page(const Request& request, RouteKind kind, const std::string& secret) {
+void require_own_page(const Request& request,
+                      const ServiceLimits& limits,
+                      RouteKind kind,
+                      const std::string& secret) {
     const bool is_socket = kind == RouteKind::WebSocket;
     const bool reads = request.method == verb::get || request.method == verb::head ||
                        request.method == verb::options;
     if (reads && !is_socket) return;
-    if ((is_socket || request.has_header("origin")) && !is_own_origin(request))
+    if ((is_socket || request.has_header("origin")) && !is_own_origin(request, limits))
         throw Error(
             ErrorCode::Forbidden,
             "a session is only for pages of this server: the Origin must be its address, or "
@@ -53,14 +67,15 @@ std::optional<Token> token_to_sign_in_with(storage::TokenStore tokens, const std
 
 }  // namespace
 
-std::optional<std::string> session_secret(const Request& request) {
+std::optional<std::string> session_secret(const Request& request, const ServiceLimits& limits) {
     if (request.has_header("authorization")) return std::nullopt;
     const std::string cookies = request.header("cookie");
+    const std::string_view name = cookie_name(request, limits);
     for (std::size_t start = 0; start < cookies.size();) {
         const std::size_t end = std::min(cookies.find(';', start), cookies.size());
         const auto pair = trimmed(std::string_view(cookies).substr(start, end - start));
         const auto equals = pair.find('=');
-        if (equals != std::string_view::npos && pair.substr(0, equals) == kCookie)
+        if (equals != std::string_view::npos && pair.substr(0, equals) == name)
             return std::string(pair.substr(equals + 1));
         start = end + 1;
     }
@@ -83,7 +98,7 @@ Awaitable<Token> find_session_token(Request request,
         throw Error(ErrorCode::Unauthorized,
                     "this session has ended: sign in again, or send a token as Authorization: "
                     "Bearer");
-    require_own_page(request, kind, secret);
+    require_own_page(request, services.limits, kind, secret);
     co_return session->token;
 }
 
@@ -108,9 +123,9 @@ void set_session_cookie(const Request& request,
                         Response& response) {
     const auto age =
         secret.empty() ? std::chrono::seconds(0) : std::chrono::seconds(storage::kSessionLifetime);
-    const bool is_secure = limits.tls || request.is_https;
+    const bool is_secure = is_over_tls(request, limits);
     response.set("Set-Cookie",
-                 std::string(kCookie) + "=" + secret +
+                 std::string(cookie_name(request, limits)) + "=" + secret +
                      "; Path=/; Max-Age=" + std::to_string(age.count()) +
                      "; HttpOnly; SameSite=Strict" + (is_secure ? "; Secure" : ""));
 }

@@ -17,7 +17,7 @@ inline constexpr std::chrono::minutes kSignInLifetime{15};  // of a link that si
 
 // Returns the secret of the cookie; nullopt if there is none, or if the request names a token
 // itself.
-std::optional<std::string> session_secret(const Request& request);
+std::optional<std::string> session_secret(const Request& request, const ServiceLimits& limits);
 
 // Returns what a page proves with that it could read an answer of this server: browsers send the
 // cookie with requests of other pages too.

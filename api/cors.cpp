@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "api/public_url.hpp"
+
 namespace divemesh::api {
 namespace {
 
@@ -24,14 +26,17 @@ bool is_listed(const Request& request, const ServiceLimits& limits) {
 
 }  // namespace
 
-bool is_own_origin(const Request& request) {
+bool is_own_origin(const Request& request, const ServiceLimits& limits) {
     const std::string origin = request.header("origin");
+    if (origin.empty()) return false;
+    if (origin == public_origin(limits)) return true;
     const auto host = origin.find("://");
     return host != std::string::npos && origin.substr(host + 3) == request.header("host");
 }
 
 bool is_allowed_origin(const Request& request, const ServiceLimits& limits) {
-    return !request.has_header("origin") || is_listed(request, limits) || is_own_origin(request);
+    return !request.has_header("origin") || is_listed(request, limits) ||
+           is_own_origin(request, limits);
 }
 
 std::optional<Response> answer_preflight(const Request& request,

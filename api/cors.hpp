@@ -8,9 +8,10 @@
 
 namespace divemesh::api {
 
-// Returns whether the request's Origin is this server, by the name in the Host field: behind a
-// proxy the server does not know whether it is reached by TLS.
-bool is_own_origin(const Request& request);
+// Returns whether the request's Origin is this server: that of its public address, or the name in
+// the Host field. Behind a proxy the server does not know whether it is reached by TLS, and the
+// proxy may send a Host of its own.
+bool is_own_origin(const Request& request, const ServiceLimits& limits);
 
 // Returns whether a page of the request's Origin may use this server: there is no Origin (not a
 // browser), it is this server, or it is on the list. The origin "null" is never allowed.

@@ -29,12 +29,6 @@ bool lists(std::string_view list, std::string_view etag, bool weakly) {
     return false;
 }
 
-bool has_header(const Response& response, std::string_view name) {
-    return std::any_of(response.headers.begin(), response.headers.end(), [&](const auto& header) {
-        return header.first == name;
-    });
-}
-
 }  // namespace
 
 std::string etag_of(std::string_view body) { return '"' + sha256_hex(body).substr(0, 32) + '"'; }
@@ -63,7 +57,7 @@ void add_etag(const Request& request, Response& response) {
     const auto* body = std::get_if<std::string>(&response.body);
     const bool reads = request.method == verb::get || request.method == verb::head;
     if (response.status != http::status::ok || body == nullptr || body->empty() || !reads ||
-        has_header(response, "Cache-Control"))
+        response.has("Cache-Control"))
         return;
     const std::string etag = etag_of(*body);
     if (matches_etag(request.header("if-none-match"), etag)) {
@@ -73,7 +67,7 @@ void add_etag(const Request& request, Response& response) {
         response.body = std::string();
     }
     response.set("ETag", etag);
-    response.set("Cache-Control", "no-cache");
+    response.set("Cache-Control", "private, no-cache");
 }
 
 }  // namespace divemesh::api

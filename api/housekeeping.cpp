@@ -16,6 +16,7 @@
 #include "storage/schedule_store.hpp"
 #include "storage/sensor_store.hpp"
 #include "storage/webhook_store.hpp"
+#include "storage/worker_store.hpp"
 
 namespace divemesh::api {
 namespace {
@@ -107,20 +108,23 @@ void watch_sensors(const Services& services) {
 }
 
 void run_schedules(const Services& services) {
+    const auto note = [](soci::session& session, const Schedule& schedule, int num_jobs) {
+        append_audit_event(session,
+                           "schedule " + schedule.id,
+                           std::to_string(num_jobs) + " reports of the tag " + schedule.tag +
+                               " in project " + schedule.project);
+    };
     attempt("schedules", services, [&] {
         storage::ScheduleStore(services.catalog)
-            .run_due(DIVEMESH_VERSION,
-                     [](soci::session& session, const Schedule& schedule, int num_jobs) {
-                         append_audit_event(session,
-                                            "schedule " + schedule.id,
-                                            std::to_string(num_jobs) + " reports of the tag " +
-                                                schedule.tag + " in project " + schedule.project);
-                     });
+            .run_due(DIVEMESH_VERSION, note, services.limits.max_project_bytes);
     });
 }
 
 void end_lost_leases(const Services& services) {
     attempt("leases", services, [&] { storage::JobStore(services.catalog).requeue_expired(); });
+    attempt("lost workers", services, [&] {
+        storage::WorkerStore(services.catalog).forget_silent(services.limits.keep_lost_workers);
+    });
 }
 
 }  // namespace divemesh::api

@@ -28,6 +28,12 @@ void Response::set(std::string name, std::string value) {
     headers.emplace_back(std::move(name), std::move(value));
 }
 
+bool Response::has(std::string_view name) const {
+    return std::any_of(headers.begin(), headers.end(), [name](const auto& header) {
+        return header.first == name;
+    });
+}
+
 void Response::add_vary(const std::string& name) {
     const auto known = std::find_if(
         headers.begin(), headers.end(), [](const auto& header) { return header.first == "Vary"; });

@@ -91,6 +91,7 @@ struct Response {
     bool audited = false;                        // the audit event has been written
 
     void set(std::string name, std::string value);
+    bool has(std::string_view name) const;   // as it was set
     void add_vary(const std::string& name);  // a header field of the request that decided
 };
 

@@ -1,11 +1,20 @@
 #include "api/public_url.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <string_view>
 
 #include "schemas/error.hpp"
 
 namespace divemesh::api {
+namespace {
+
+std::size_t prefix_at(const std::string& url) {
+    const auto scheme = url.find("://");
+    return scheme == std::string::npos ? scheme : url.find('/', scheme + 3);
+}
+
+}  // namespace
 
 std::string checked_public_url(std::string url) {
     if (url.empty()) return url;
@@ -26,6 +35,19 @@ std::string checked_public_url(std::string url) {
         std::any_of(rest.begin(), rest.end(), is_odd))
         refuse("has more than a host and a path");
     return url;
+}
+
+bool has_prefix(const ServiceLimits& limits) {
+    return prefix_at(limits.public_url) != std::string::npos;
+}
+
+std::string public_origin(const ServiceLimits& limits) {
+    std::string origin = limits.public_url.substr(0, prefix_at(limits.public_url));
+    if (origin.empty()) return "";
+    for (char& c : origin) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    const std::string usual_port = origin.starts_with("https:") ? ":443" : ":80";
+    if (origin.ends_with(usual_port)) origin.resize(origin.size() - usual_port.size());
+    return origin;
 }
 
 std::string public_address(const ServiceLimits& limits, const std::string& path) {

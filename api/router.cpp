@@ -193,6 +193,12 @@ void add_common_headers(const Request& request, const Services& services, Respon
     response.set("X-Request-Id", request.id);
     if (!request.trace_id.empty()) response.set("traceparent", request.header("traceparent"));
     response.set("X-Content-Type-Options", "nosniff");
+    // What the API answers is data: shown by itself it loads nothing, runs nothing, is in no frame.
+    if (!response.has("Content-Security-Policy"))
+        response.set("Content-Security-Policy",
+                     "default-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors "
+                     "'none'");
+    if (!response.has("Referrer-Policy")) response.set("Referrer-Policy", "no-referrer");
     if (services.limits.hsts.count() > 0)
         response.set("Strict-Transport-Security",
                      "max-age=" + std::to_string(services.limits.hsts.count()));

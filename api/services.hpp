@@ -43,6 +43,7 @@ struct ServiceLimits {
     std::int64_t max_project_dives = 0;  // 0: no limit
     // How long deleted dives and results can be restored before they are removed.
     std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);
+    std::chrono::milliseconds keep_lost_workers = std::chrono::minutes(10);  // in the list
     std::chrono::seconds hsts{0};  // how long browsers use nothing but TLS; 0: not stated
     bool tls = false;              // this server speaks TLS itself
     std::vector<std::string> allowed_origins;  // of other pages that may use this server

@@ -17,6 +17,19 @@ std::string unescaped(std::string_view text) {
     return std::move(*plain);
 }
 
+std::string escaped(std::string_view text) {
+    constexpr char kDigits[] = "0123456789ABCDEF";
+    std::string result;
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (std::isalnum(byte) != 0 || c == '-' || c == '_' || c == '.')
+            result += c;
+        else
+            result += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
+    }
+    return result;
+}
+
 std::map<std::string, std::string, std::less<>> parse_query(std::string_view text) {
     std::map<std::string, std::string, std::less<>> query;
     while (!text.empty()) {
@@ -100,6 +113,17 @@ std::optional<std::string> percent_decode(std::string_view text) {
         i += 2;
     }
     return plain;
+}
+
+std::string query_text(const std::map<std::string, std::string, std::less<>>& query) {
+    std::string text;
+    for (const auto& [name, value] : query) {
+        if (!text.empty()) text += '&';
+        text += escaped(name);
+        text += '=';
+        text += escaped(value);
+    }
+    return text;
 }
 
 Target parse_target(std::string_view target) {

@@ -24,6 +24,9 @@ struct Target {
 // query name given twice.
 Target parse_target(std::string_view target);
 
+// Returns the text of a query, "a=1&b=2", in the order of the names.
+std::string query_text(const std::map<std::string, std::string, std::less<>>& query);
+
 // Returns whether a text is a host with or without a port, as the field Host has it (RFC
 // 9110, 7.2).
 bool is_host(std::string_view text);

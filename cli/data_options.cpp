@@ -1,6 +1,9 @@
 #include "cli/data_options.hpp"
 
+#include <system_error>
+
 #include "schemas/error.hpp"
+#include "storage/data_folder.hpp"
 
 namespace divemesh::cli {
 namespace {
@@ -13,13 +16,18 @@ fs::path data_folder(const DataOptions& options, const std::string& instead) {
     if (options.data.empty())
         throw Error(ErrorCode::InvalidArgument,
                     "no data folder: give --data DIR or " + instead + " URL");
+    std::error_code failure;
     if (!options.existing_only)
-        fs::create_directories(options.data);
+        storage::create_data_folder(options.data, failure);
     else if (!fs::is_directory(options.data))
         throw Error(ErrorCode::NotFound,
                     "there is no data folder " + fs::absolute(options.data).string() +
                         ": give the --data of the server, mount its disk, or start the server "
                         "first, which creates it");
+    if (failure)
+        throw Error(ErrorCode::Unavailable,
+                    "cannot create the data folder " + fs::absolute(options.data).string() + ": " +
+                        failure.message() + ": choose another --data folder or change its rights");
     return fs::canonical(options.data);
 }
 

@@ -29,6 +29,7 @@ void add_serve(CLI::App& app, Context& context) {
         server::ServerConfig config;
         double upload_lifetime_h = 168.0;
         int keep_deleted_days = 30;
+        int keep_lost_workers_min = 10;
         int hsts_days = 0;
         bool check_only = false;
     };
@@ -64,6 +65,7 @@ void add_serve(CLI::App& app, Context& context) {
     command->add_option("--public-url", options->config.public_url, "address that clients use, e.g. behind a proxy: https://lab.example/dives");
     command->add_option("--max-rate", options->config.max_requests_per_s, "max requests per second of one token; 0: no limit")->capture_default_str()->check(CLI::NonNegativeNumber);
     command->add_option("--keep-deleted-days", options->keep_deleted_days, "days in which a deleted dive or result can be restored")->capture_default_str()->check(CLI::Range(0, 3650));
+    command->add_option("--keep-lost-workers", options->keep_lost_workers_min, "minutes for which a worker that died stays in the list of workers")->capture_default_str()->check(CLI::Range(1, 1440));
     command->add_flag("--no-auth", options->config.no_auth, "allow everything without a token; only on loopback");
     // clang-format on
     command->callback([options, &context] {
@@ -71,6 +73,7 @@ void add_serve(CLI::App& app, Context& context) {
             auto& config = options->config;
             config.data = options->data.data;
             config.keep_deleted = std::chrono::hours(24) * options->keep_deleted_days;
+            config.keep_lost_workers = std::chrono::minutes(options->keep_lost_workers_min);
             config.hsts = std::chrono::hours(24) * options->hsts_days;
             if (options->check_only) {
                 server::check_config(config);

@@ -25,21 +25,22 @@ using Clock = std::chrono::steady_clock;
 constexpr int kPageEvents = 20;                  // per client that has fallen behind
 constexpr std::size_t kMaxIncomingBytes = 4096;  // clients have no messages to send
 
-struct EventSocket {
+class EventSocket : public ClientSocket {
+public:
     explicit EventSocket(std::shared_ptr<Connection> below)
-        : connection(std::move(below)), socket(connection->stream), pause(socket.get_executor()) {}
+        : ClientSocket(std::move(below)), pause(socket.get_executor()) {}
 
-    void close() {
-        closing = true;
-        pause.cancel();
-    }
-
-    std::shared_ptr<Connection> connection;
-    WebSocket socket;
     asio::steady_timer pause;
-    bool closing = false;
     bool has_pending = true;  // there may be events it has not received
+
+private:
+    void wake() override { pause.cancel(); }
 };
+
+CloseReason cannot_read_events() {
+    return {websocket::close_code::internal_error,
+            "the events cannot be read now: connect again, with ?since= the last one"};
+}
 
 // Wakes the socket, on its strand, when the event hub or the sensor hub has something new, until it
 // is destroyed.
@@ -75,12 +76,8 @@ private:
 
 // Answers pings and notices when the client disconnects; drops its messages.
 asio::awaitable<void> read_until_closed(std::shared_ptr<EventSocket> events) {
-    beast::flat_buffer dropped;
-    for (beast::error_code error; !error; dropped.clear()) {
-        const auto [failure, n] = co_await events->socket.async_read(dropped, kAwaitErrors);
-        error = failure;
-    }
-    events->close();
+    const std::shared_ptr<ClientSocket> client = events;
+    while (!client->closing) co_await read_message(client, kMaxIncomingBytes);
 }
 
 // Returns the catalog's events after `feed.since`, for a client that has fallen behind.
@@ -126,10 +123,10 @@ asio::awaitable<void> wait_for_change(std::shared_ptr<EventSocket> events,
     co_await events->pause.async_wait(kAwaitErrors);
 }
 
-// Sends events until the client disconnects or the connection is stopped; returns why it is closed.
-asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket> events,
-                                                    api::EventFeed feed,
-                                                    SessionContext context) {
+// Sends events until the client disconnects or the socket closes.
+asio::awaitable<void> write_events(std::shared_ptr<EventSocket> events,
+                                   api::EventFeed feed,
+                                   SessionContext context) {
     api::TokenWatch token(feed.token_id);
     SensorFeed sensors(context.services.sensor_hub, feed.sensors);
     while (!events->closing) {
@@ -140,19 +137,18 @@ asio::awaitable<websocket::close_code> write_events(std::shared_ptr<EventSocket>
             continue;
         }
         const bool is_valid = co_await token.is_valid_now(context.services);
-        if (!is_valid) co_return websocket::close_code::policy_error;
+        if (!is_valid) co_return events->close(token_has_ended());
         const bool sent_sensors =
             co_await send_sensor_frames(events, &sensors, &context.services.metrics);
-        if (!sent_sensors) break;
+        if (!sent_sensors) co_return;
         if (newest <= feed.since) continue;
         auto page = context.events.recent(feed.since, feed.project);
         if (!page) page = co_await stored_events(feed, context.services);
         const bool told_all = co_await tell(events, *page, &context.services.metrics);
-        if (!told_all) break;
+        if (!told_all) co_return;
         // An empty page: the other events belong to other projects.
         feed.since = page->empty() ? newest : page->back()->sequence;
     }
-    co_return websocket::close_code::going_away;
 }
 
 }  // namespace
@@ -163,23 +159,28 @@ asio::awaitable<void> send_events(std::shared_ptr<Connection> connection,
                                   SessionContext context) {
     connection->stream.expires_never();  // from here on the WebSocket has timeouts of its own
     auto events = std::make_shared<EventSocket>(connection);
-    set_options(events->socket, context.timeouts, kMaxIncomingBytes);
-    connection->on_stop = [events] { events->close(); };
+    events->set_timeouts(context.timeouts);
+    connection->on_stop = [events] { events->close(server_stops()); };
     connection->on_abort = [events] { beast::get_lowest_layer(events->socket).close(); };
     const auto [refused] = co_await events->socket.async_accept(request->message(), kAwaitErrors);
     if (!refused) {
         const Watching watching(context.events, context.services.sensor_hub, feed, events);
         auto& metrics = context.services.metrics;
         ++metrics.watchers;
-        auto reason = websocket::close_code::internal_error;
-        asio::co_spawn(events->socket.get_executor(), read_until_closed(events), asio::detached);
+        const auto executor = events->socket.get_executor();
+        asio::co_spawn(executor, read_until_closed(events), asio::detached);
+        asio::co_spawn(
+            executor, watch_silence(events, context.timeouts.web_socket), asio::detached);
         try {
-            reason = co_await write_events(events, feed, context);
+            co_await write_events(events, feed, context);
         } catch (const std::exception& error) {
             log_warning({{"event", "events_unavailable"}, {"what", error.what()}});
+            events->close(cannot_read_events());
         }
-        const auto [unclosed] = co_await events->socket.async_close(reason, kAwaitErrors);
-        if (unclosed == beast::error::timeout) ++metrics.dropped_watchers;
+        events->close(server_stops());  // if there is no other reason yet
+        const auto [unclosed] = co_await events->socket.async_close(events->reason, kAwaitErrors);
+        if (unclosed == beast::error::timeout || events->reason.code == kSilent)
+            ++metrics.dropped_watchers;
         --metrics.watchers;
     }
     beast::get_lowest_layer(events->socket).close();

@@ -8,8 +8,10 @@
 #include <unistd.h>
 
 #include "api/browser_session.hpp"
+#include "api/public_url.hpp"
 #include "schemas/error.hpp"
 #include "schemas/log.hpp"
+#include "server/listen_address.hpp"
 #include "server/log.hpp"
 #include "server/open_files.hpp"
 #include "server/server.hpp"
@@ -66,6 +68,24 @@ void say_where_token_is(const Server& server) {
               {"file", (server.config().data / "admin.token").string()}});
 }
 
+// Says what works differently than an operator may expect.
+void warn_of(const Server& server) {
+    const ServerConfig& config = server.config();
+    api::ServiceLimits limits;
+    limits.public_url = api::checked_public_url(config.public_url);
+    if (api::has_prefix(limits))
+        log_warning({{"event", "page_not_under_prefix"},
+                     {"what",
+                      "--public-url has a path: the API, the command line and sharing links work "
+                      "there, the web page does not: give the server a host name of its own"}});
+    if (config.tls_certificate.empty() && config.trusted_proxies.empty() &&
+        !parse_listen_address(config.listen).address().is_loopback())
+        log_warning({{"event", "no_tls"},
+                     {"what",
+                      "tokens and recordings cross the network as plain text: give --tls-cert and "
+                      "--tls-key, or put a proxy before the server (--trusted-proxy)"}});
+}
+
 // Says how to open the page, to a person at a terminal only: what is not a terminal may be a log.
 void say_how_to_sign_in(const Server& server) {
     if (isatty(STDOUT_FILENO) == 0) return;
@@ -103,6 +123,7 @@ void run_server(const ServerConfig& config) {
         },
         [&] { server.reload_certificate(); });
     say_where_token_is(server);
+    warn_of(server);
     std::cout << "listening on " << server.url() << std::endl;
     say_how_to_sign_in(server);
     server.run();

@@ -32,10 +32,9 @@ namespace websocket = boost::beast::websocket;
 using nlohmann::json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::size_t kMaxFrameTextBytes = std::size_t{1} << 20;
+constexpr std::size_t kMaxFrameBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxWaiting = 64;  // frames
 constexpr std::size_t kMaxWaitingBytes = std::size_t{1} << 20;
-constexpr websocket::close_code kReplaced{4409};
 
 // A frame as it was read: a report, or the answer to an invalid one.
 struct Incoming {
@@ -52,24 +51,17 @@ struct Batch {
     bool is_empty() const { return report.messages.empty() && report.lost.empty(); }
 };
 
-class SensorSocket {
+class SensorSocket : public ClientSocket {
 public:
     explicit SensorSocket(std::shared_ptr<Connection> below)
-        : connection(std::move(below)),
-          socket(connection->stream),
+        : ClientSocket(std::move(below)),
           pause(socket.get_executor()),
           room_(socket.get_executor()) {
         pause.expires_at(Clock::time_point::max());  // only ever cancelled
         room_.expires_at(Clock::time_point::max());
     }
 
-    void close(websocket::close_code why) {
-        if (!closing) reason = why;
-        closing = true;
-        pause.cancel();
-        room_.cancel();
-    }
-    void wake() {
+    void look_for_commands() {
         has_commands = true;
         pause.cancel();
     }
@@ -96,14 +88,14 @@ public:
         return batch;
     }
 
-    std::shared_ptr<Connection> connection;
-    WebSocket socket;
     asio::steady_timer pause;
-    bool closing = false;
-    websocket::close_code reason = websocket::close_code::going_away;
     bool has_commands = true;  // there may be commands to send
 
 private:
+    void wake() override {
+        pause.cancel();
+        room_.cancel();
+    }
     static bool fits(const Batch& batch, const Incoming& next) {
         if (!next.refusal.empty() || batch.is_empty()) return true;
         return next.report.boot_id == batch.report.boot_id &&
@@ -125,6 +117,10 @@ private:
     std::size_t num_bytes_ = 0;
 };
 
+CloseReason replaced() {
+    return {kReplaced, "another stream of this sensor began: give each device its own id"};
+}
+
 // The stream's connection to the sensor hub, until it is destroyed.
 class HubConnection {
 public:
@@ -133,8 +129,8 @@ public:
                   const std::shared_ptr<SensorSocket>& sensor)
         : sensor_hub_(sensor_hub), sensor_(std::move(name)) {
         const auto executor = sensor->socket.get_executor();
-        const auto wake = [sensor] { sensor->wake(); };
-        const auto end = [sensor] { sensor->close(kReplaced); };
+        const auto wake = [sensor] { sensor->look_for_commands(); };
+        const auto end = [sensor] { sensor->close(replaced()); };
         connection_ = sensor_hub_.connect(sensor_,
                                           {[executor, wake] { asio::post(executor, wake); },
                                            [executor, end] { asio::post(executor, end); }});
@@ -189,17 +185,16 @@ Incoming read_frame(const api::Request& request, std::string_view frame, bool is
 }
 
 asio::awaitable<void> read_frames(std::shared_ptr<SensorSocket> sensor, api::Request request) {
-    beast::flat_buffer buffer;
+    const std::shared_ptr<ClientSocket> client = sensor;
     while (!sensor->closing) {
-        const auto [failure, n] = co_await sensor->socket.async_read(buffer, kAwaitErrors);
-        if (failure) break;
-        const auto bytes = buffer.cdata();
+        auto message = co_await read_message(client, kMaxFrameBytes);
+        if (!message) break;
+        const auto bytes = message->cdata();
         const std::string_view frame(static_cast<const char*>(bytes.data()), bytes.size());
         sensor->put(read_frame(request, frame, sensor->socket.got_binary()));
-        buffer = {};  // frees an image's memory before the next read
+        message.reset();  // frees an image's memory before the next read
         co_await sensor->wait_for_room();
     }
-    sensor->close(websocket::close_code::going_away);
 }
 
 // Returns false if the sensor is gone, or the socket closes.
@@ -263,7 +258,7 @@ private:
 
     asio::awaitable<bool> check_token() {
         const bool is_valid = co_await token_.is_valid_now(services_);
-        if (!is_valid) sensor_->close(websocket::close_code::policy_error);
+        if (!is_valid) sensor_->close(token_has_ended());
         co_return is_valid;
     }
 
@@ -317,7 +312,7 @@ private:
 
 // Returns the close code. The sensor keeps what cannot be written now and sends it again; what
 // belongs to another project will never be accepted.
-websocket::close_reason reason_of(const std::exception& failure) {
+CloseReason reason_of(const std::exception& failure) {
     const auto* error = dynamic_cast<const Error*>(&failure);
     const bool is_final = error != nullptr && error->code() == ErrorCode::Conflict;
     constexpr std::size_t kMaxReasonBytes = 120;  // RFC 6455, 5.5
@@ -335,27 +330,28 @@ asio::awaitable<void> hear_sensor(std::shared_ptr<Connection> connection,
                                   SessionContext context) {
     connection->stream.expires_never();  // from here on the WebSocket has timeouts of its own
     auto sensor = std::make_shared<SensorSocket>(connection);
-    set_options(sensor->socket, context.timeouts, kMaxFrameTextBytes);
-    connection->on_stop = [sensor] { sensor->close(websocket::close_code::going_away); };
+    sensor->set_timeouts(context.timeouts);
+    connection->on_stop = [sensor] { sensor->close(server_stops()); };
     connection->on_abort = [sensor] { beast::get_lowest_layer(sensor->socket).close(); };
     const auto [refused] =
         co_await sensor->socket.async_accept(request_body->message(), kAwaitErrors);
     if (!refused) {
         const HubConnection hub_connection(context.services.sensor_hub, stream.sensor, sensor);
         ++context.services.metrics.sensor_streams;
-        asio::co_spawn(sensor->socket.get_executor(), read_frames(sensor, request), asio::detached);
-        websocket::close_reason reason;
+        const auto executor = sensor->socket.get_executor();
+        asio::co_spawn(executor, read_frames(sensor, request), asio::detached);
+        asio::co_spawn(
+            executor, watch_silence(sensor, context.timeouts.web_socket), asio::detached);
         try {
             Answering answering(sensor, stream, context);
             co_await answering.run();
-            reason = sensor->reason;
         } catch (const std::exception& error) {
             log_warning(
                 {{"event", "sensor_not_heard"}, {"sensor", stream.sensor}, {"what", error.what()}});
-            reason = reason_of(error);
+            sensor->close(reason_of(error));
         }
-        sensor->close(websocket::close_code::going_away);
-        co_await sensor->socket.async_close(reason, kAwaitErrors);
+        sensor->close(server_stops());  // if there is no other reason yet
+        co_await sensor->socket.async_close(sensor->reason, kAwaitErrors);
         --context.services.metrics.sensor_streams;
     }
     beast::get_lowest_layer(sensor->socket).close();

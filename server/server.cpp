@@ -34,7 +34,9 @@
 #include "server/http_session.hpp"
 #include "server/listen_address.hpp"
 #include "server/tls.hpp"
+#include "server/warning_pace.hpp"
 #include "server/webhook_sender.hpp"
+#include "storage/data_folder.hpp"
 #include "storage/data_id.hpp"
 #include "storage/token_store.hpp"
 
@@ -49,11 +51,12 @@ using namespace std::chrono_literals;
 constexpr auto kAwaitErrors = asio::as_tuple(asio::use_awaitable);
 constexpr std::chrono::milliseconds kMaxPendingDivesPause = 1h;
 constexpr std::chrono::milliseconds kBusyPendingDivesPause = 1s;
+constexpr std::chrono::milliseconds kAcceptWarningEvery = 30s;
 
 ServerConfig with_defaults(ServerConfig config) {
     const fs::path data = fs::absolute(config.data);
     std::error_code failure;
-    fs::create_directories(data, failure);
+    storage::create_data_folder(data, failure);
     if (failure)
         throw Error(ErrorCode::Unavailable,
                     "cannot create the data folder " + data.string() + ": " + failure.message());
@@ -85,6 +88,7 @@ api::ServiceLimits limits_of(const ServerConfig& config) {
     limits.max_project_bytes = config.max_project_bytes;
     limits.max_project_dives = config.max_project_dives;
     limits.keep_deleted = config.keep_deleted;
+    limits.keep_lost_workers = config.keep_lost_workers;
     limits.tls = !config.tls_certificate.empty();
     if (limits.tls) limits.hsts = config.hsts;  // RFC 6797, 7.2
     limits.allowed_origins = config.allowed_origins;
@@ -247,12 +251,16 @@ void Server::Implementation::spawn_session(tcp::socket socket) {
 
 asio::awaitable<void> Server::Implementation::accept() {
     asio::steady_timer pause(io);
+    WarningPace pace(kAcceptWarningEvery);
     while (!stopping) {
         auto [error, socket] = co_await acceptor.async_accept(asio::make_strand(io), kAwaitErrors);
         if (!error) {
             spawn_session(std::move(socket));
         } else if (!stopping) {  // no file descriptor is left, or the client has gone
-            log_warning({{"event", "accept_failed"}, {"what", error.message()}});
+            if (const auto num_left_out = pace.pass(WarningPace::Clock::now()))
+                log_warning({{"event", "accept_failed"},
+                             {"what", error.message()},
+                             {"num_left_out", *num_left_out}});
             pause.expires_after(50ms);
             co_await pause.async_wait(kAwaitErrors);
         }

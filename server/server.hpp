@@ -68,6 +68,7 @@ struct ServerConfig {
     double max_failed_logins_per_s = 5.0;       // of one address, a hundred times that in a burst
     // How long deleted dives can be restored before they are removed.
     std::chrono::milliseconds keep_deleted = std::chrono::hours(24 * 30);
+    std::chrono::milliseconds keep_lost_workers = std::chrono::minutes(10);  // in their list
     std::span<const api::PageFile> page = {};  // the web page; empty: none
     Timeouts timeouts = {};
 };

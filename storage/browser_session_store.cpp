@@ -65,7 +65,7 @@ std::optional<CreatedSession> BrowserSessionStore::redeem(const std::string& one
     std::optional<CreatedSession> created;
     catalog_.transaction([&](soci::session& session) {
         const std::int64_t now_ms = Catalog::now_ms(session);
-        const auto owner = take_one_shot(session, one_shot, path, now_ms);
+        const auto owner = take_one_shot(session, one_shot, path, "", now_ms);
         if (owner) created = insert(session, *owner, now_ms);
     });
     return created;

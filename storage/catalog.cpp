@@ -184,10 +184,11 @@ void Catalog::Implementation::migrate(soci::session& session, Opening opening) c
     session << "SELECT COALESCE(MAX(version), 0) FROM schema_version", soci::into(version);
     const int newest = static_cast<int>(migrations().size());
     if (version > newest)
-        throw Error(ErrorCode::Conflict,
-                    "the catalog was written by a newer version (schema " +
-                        std::to_string(version) + ", this version knows " + std::to_string(newest) +
-                        "): install the newer version");
+        throw Error(
+            ErrorCode::Conflict,
+            "the catalog was written by a newer version (schema " + std::to_string(version) +
+                ", this version knows " + std::to_string(newest) +
+                "): install the newer version, or restore a backup made before the upgrade");
     if (version == newest) return;
     for (int next = version; next < newest; ++next)
         engine->run_script(session, migrations()[static_cast<std::size_t>(next)]);

@@ -10,6 +10,7 @@
 #include "storage/ids.hpp"
 #include "storage/job_rows.hpp"
 #include "storage/sql.hpp"
+#include "storage/wait_reasons.hpp"
 
 namespace divemesh::storage {
 namespace {
@@ -237,8 +238,11 @@ Job insert_job(soci::session& session, const NewJob& request) {
 
 void append_job_event(soci::session& session, const std::string& job_id, const std::string& type) {
     const Job job = read_job(session, job_id);
-    const Event event{
-        .project = job.project, .topic = "job", .subject = job.id, .type = type, .data = job};
+    const Event event{.project = job.project,
+                      .topic = "job",
+                      .subject = job.id,
+                      .type = type,
+                      .data = with_wait_reason(session, job)};
     if (type == "job.progress") return EventStore::replace(session, event);
     EventStore::append(session, event);
 }

@@ -1,5 +1,7 @@
 // What users do to jobs.
 #include <deque>
+#include <map>
+#include <optional>
 
 #include "schemas/error.hpp"
 #include "schemas/json.hpp"
@@ -7,6 +9,7 @@
 #include "storage/job_changes.hpp"
 #include "storage/job_rows.hpp"
 #include "storage/job_store.hpp"
+#include "storage/project_usage.hpp"
 #include "storage/sql.hpp"
 
 namespace divemesh::storage {
@@ -86,6 +89,55 @@ Job put_back(soci::session& session, const std::string& id) {
     return read_job(session, id);
 }
 
+struct DeadRow {
+    std::string id;
+    std::string project;
+
+    void define(soci::statement& statement) { define_columns(statement, id, project); }
+    DeadRow value() const { return *this; }
+};
+
+std::vector<DeadRow> dead_jobs(soci::session& session, const std::string& project) {
+    return select_all<DeadRow>(session,
+                               "SELECT id, project FROM jobs WHERE state = 'dead'"
+                               " AND deleted_at_ms = 0"
+                               " AND (:project = '' OR project = :project)"
+                               " AND dive_id IN (SELECT id FROM dives WHERE"
+                               "   state <> 'refused' AND deleted_at_ms = 0)"
+                               " ORDER BY created_at_ms, id",
+                               soci::use(project, "project"));
+}
+
+// Which projects may have jobs: asked once for each.
+class QuotaCheck {
+public:
+    QuotaCheck(soci::session& session, std::int64_t max_project_bytes)
+        : session_(session), max_project_bytes_(max_project_bytes) {}
+
+    bool has_room(const std::string& project) {
+        const auto [known, is_new] = has_room_.emplace(project, true);
+        if (!is_new) return known->second;
+        try {
+            require_bytes_of_quota(session_, project, 0, max_project_bytes_);
+        } catch (const Error& error) {
+            if (error.code() != ErrorCode::OutOfQuota) throw;
+            known->second = false;
+            if (!refusal_) refusal_ = error;
+        }
+        return known->second;
+    }
+    // Throws the first refusal; without one it does nothing.
+    void throw_refusal() const {
+        if (refusal_) throw Error(*refusal_);
+    }
+
+private:
+    soci::session& session_;
+    std::int64_t max_project_bytes_;
+    std::map<std::string, bool> has_room_;
+    std::optional<Error> refusal_;
+};
+
 void set_priority(soci::session& session, const Job& job, int priority) {
     const std::int64_t rank_ms = queue_rank_ms(job.created_at_ms, priority);
     execute(session,
@@ -143,24 +195,22 @@ Job JobStore::retry(const std::string& id) {
 }
 
 // Their parents have succeeded, because a job that still waits for one cannot be dead.
-std::vector<Job> JobStore::redrive(const std::string& project, int limit) {
+std::vector<Job> JobStore::redrive(const std::string& project,
+                                   int limit,
+                                   std::int64_t max_project_bytes) {
     if (limit < 1 || limit > kMaxRedrive)
         throw Error(
             ErrorCode::InvalidArgument,
             "limit is " + std::to_string(limit) + ": give 1 to " + std::to_string(kMaxRedrive));
     std::vector<Job> redriven;
     catalog_.transaction([&](soci::session& session) {
-        const auto dead = select_all<TextRow>(session,
-                                              "SELECT id FROM jobs WHERE state = 'dead'"
-                                              " AND deleted_at_ms = 0"
-                                              " AND (:project = '' OR project = :project)"
-                                              " AND dive_id IN (SELECT id FROM dives WHERE"
-                                              "   state <> 'refused' AND deleted_at_ms = 0)"
-                                              " ORDER BY created_at_ms, id LIMIT :limit",
-                                              soci::use(project, "project"),
-                                              soci::use(limit, "limit"));
-        for (const std::string& id : dead)
-            if (!find_twin_of(session, id)) redriven.push_back(put_back(session, id));
+        QuotaCheck quota(session, max_project_bytes);
+        for (const DeadRow& dead : dead_jobs(session, project)) {
+            if (std::ssize(redriven) == limit) break;
+            if (!quota.has_room(dead.project) || find_twin_of(session, dead.id)) continue;
+            redriven.push_back(put_back(session, dead.id));
+        }
+        if (redriven.empty()) quota.throw_refusal();
     });
     return redriven;
 }

@@ -119,8 +119,11 @@ public:
     // Throws Error{Conflict} if the job no longer waits.
     Job change(const std::string& id, const JobChange& change);
     // Puts the oldest dead jobs of a project ("": of all) back into the queue, `limit` at most;
-    // skips jobs of a deleted or refused dive.
-    std::vector<Job> redrive(const std::string& project, int limit);
+    // skips jobs of a deleted or refused dive, and those of projects that store more than
+    // `max_project_bytes` (0: no limit). Throws Error{OutOfQuota} if that leaves none.
+    std::vector<Job> redrive(const std::string& project,
+                             int limit,
+                             std::int64_t max_project_bytes = 0);
 
     // For workers. claim() first frees the jobs of expired leases (storage/job_ends.hpp). Then it
     // takes the first due job by priority and age that no pause, limit or drain holds back.

@@ -5,6 +5,7 @@
 #include "storage/ids.hpp"
 #include "storage/job_changes.hpp"
 #include "storage/page_cursor.hpp"
+#include "storage/project_usage.hpp"
 #include "storage/sql.hpp"
 
 namespace divemesh::storage {
@@ -94,14 +95,31 @@ NewJob report_of(const Schedule& schedule, const std::string& dive_id, const std
     return job;
 }
 
-int make_reports(soci::session& session, const Schedule& schedule, const std::string& version) {
-    auto dives = dives_with_tag(session, schedule);
-    std::string problem = dives.empty() ? "no dive has this tag" : "";
-    if (dives.size() > kMaxJobsOfRun) {
-        dives.resize(kMaxJobsOfRun);
-        problem = "too many dives have this tag, only the newest " + std::to_string(kMaxJobsOfRun) +
-                  " are used";
+// Leaves out the dives that get no report and returns why; "" if all get one.
+std::string limit_dives(soci::session& session,
+                        const Schedule& schedule,
+                        std::int64_t max_project_bytes,
+                        std::vector<std::string>& dives) {
+    if (dives.empty()) return "no dive has this tag";
+    try {
+        require_bytes_of_quota(session, schedule.project, 0, max_project_bytes);
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::OutOfQuota) throw;
+        dives.clear();
+        return error.what();
     }
+    if (dives.size() <= kMaxJobsOfRun) return "";
+    dives.resize(kMaxJobsOfRun);
+    return "too many dives have this tag, only the newest " + std::to_string(kMaxJobsOfRun) +
+           " are used";
+}
+
+int make_reports(soci::session& session,
+                 const Schedule& schedule,
+                 const std::string& version,
+                 std::int64_t max_project_bytes) {
+    auto dives = dives_with_tag(session, schedule);
+    std::string problem = limit_dives(session, schedule, max_project_bytes, dives);
     int num_jobs = 0;
     for (const std::string& dive : dives) {
         try {
@@ -179,7 +197,9 @@ void ScheduleStore::remove(const std::string& id) {
 
 // A schedule whose last run is in the future ran before the clock was set back: its next time is
 // computed again, without a run.
-int ScheduleStore::run_due(const std::string& version, const Note& note) {
+int ScheduleStore::run_due(const std::string& version,
+                           const Note& note,
+                           std::int64_t max_project_bytes) {
     std::vector<Schedule> due;
     catalog_.read([&](soci::session& session) {
         const std::int64_t now_ms = Catalog::now_ms(session);
@@ -194,7 +214,7 @@ int ScheduleStore::run_due(const std::string& version, const Note& note) {
         catalog_.transaction([&](soci::session& session) {
             const std::int64_t now_ms = Catalog::now_ms(session);
             if (!take_tick(session, schedule, now_ms) || schedule.next_run_ms > now_ms) return;
-            const int num_made = make_reports(session, schedule, version);
+            const int num_made = make_reports(session, schedule, version, max_project_bytes);
             if (note && num_made > 0) note(session, schedule, num_made);
             num_jobs += num_made;
         });

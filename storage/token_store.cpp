@@ -26,6 +26,8 @@ constexpr std::chrono::hours kMaxLifetime{24 * 3660};
     "EXISTS (SELECT 1 FROM jobs JOIN dives ON dives.id = jobs.dive_id WHERE jobs.id = "    \
     "shared_job AND jobs.deleted_at_ms = 0 AND dives.deleted_at_ms = 0))"
 
+#define IS_FOR_TARGET "secret_sha256 = :hash AND path IN (:path, :whole) AND expires_at_ms > :now"
+
 bool is_known(const std::string& scope) {
     return std::find(kScopes.begin(), kScopes.end(), scope) != kScopes.end();
 }
@@ -124,16 +126,17 @@ std::optional<Token> valid_token(soci::session& session,
 std::optional<Token> take_one_shot(soci::session& session,
                                    const std::string& secret,
                                    const std::string& path,
+                                   const std::string& query,
                                    std::int64_t now_ms) {
     const std::string hash = sha256_hex(secret);
-    const auto owner =
-        select_one<TextRow>(session,
-                            "DELETE FROM one_shot_tokens"
-                            " WHERE secret_sha256 = :hash AND path = :path AND expires_at_ms > :now"
-                            " RETURNING token_id",
-                            soci::use(hash, "hash"),
-                            soci::use(path, "path"),
-                            soci::use(now_ms, "now"));
+    const std::string whole = path + "?" + query;
+    const auto owner = select_one<TextRow>(session,
+                                           "DELETE FROM one_shot_tokens WHERE " IS_FOR_TARGET
+                                           " RETURNING token_id",
+                                           soci::use(hash, "hash"),
+                                           soci::use(path, "path"),
+                                           soci::use(whole, "whole"),
+                                           soci::use(now_ms, "now"));
     return owner ? valid_token(session, *owner, now_ms) : std::nullopt;
 }
 
@@ -278,28 +281,32 @@ OneShotToken TokenStore::create_one_shot(const Token& owner,
     return made;
 }
 
-std::optional<Token> TokenStore::find_one_shot(const std::string& secret, const std::string& path) {
+std::optional<Token> TokenStore::find_one_shot(const std::string& secret,
+                                               const std::string& path,
+                                               const std::string& query) {
     const std::string hash = sha256_hex(secret);
+    const std::string whole = path + "?" + query;
     std::optional<Token> token;
     catalog_.read([&](soci::session& session) {
         const std::int64_t now_ms = Catalog::now_ms(session);
-        const auto owner = select_one<TextRow>(session,
-                                               "SELECT token_id FROM one_shot_tokens"
-                                               " WHERE secret_sha256 = :hash AND path = :path"
-                                               " AND expires_at_ms > :now",
-                                               soci::use(hash, "hash"),
-                                               soci::use(path, "path"),
-                                               soci::use(now_ms, "now"));
+        const auto owner =
+            select_one<TextRow>(session,
+                                "SELECT token_id FROM one_shot_tokens WHERE " IS_FOR_TARGET,
+                                soci::use(hash, "hash"),
+                                soci::use(path, "path"),
+                                soci::use(whole, "whole"),
+                                soci::use(now_ms, "now"));
         if (owner) token = valid_token(session, *owner, now_ms);
     });
     return token;
 }
 
 std::optional<Token> TokenStore::redeem_one_shot(const std::string& secret,
-                                                 const std::string& path) {
+                                                 const std::string& path,
+                                                 const std::string& query) {
     std::optional<Token> token;
     catalog_.transaction([&](soci::session& session) {
-        token = take_one_shot(session, secret, path, Catalog::now_ms(session));
+        token = take_one_shot(session, secret, path, query, Catalog::now_ms(session));
     });
     return token;
 }

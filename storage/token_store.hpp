@@ -56,10 +56,15 @@ public:
     OneShotToken create_one_shot(const Token& owner,
                                  const std::string& path,
                                  std::chrono::seconds lifetime = kOneShotLifetime);
-    // Both return the token that it was made for, if it is not expired and `path` matches. The
-    // second one uses it up: another call returns nullopt.
-    std::optional<Token> find_one_shot(const std::string& secret, const std::string& path);
-    std::optional<Token> redeem_one_shot(const std::string& secret, const std::string& path);
+    // Both return the token that it was made for, if it is not expired and matches: a path opens
+    // that path with any query, a path with a query ("/path?a=1") only that one. The second one
+    // uses it up: another call returns nullopt.
+    std::optional<Token> find_one_shot(const std::string& secret,
+                                       const std::string& path,
+                                       const std::string& query = "");
+    std::optional<Token> redeem_one_shot(const std::string& secret,
+                                         const std::string& path,
+                                         const std::string& query = "");
 
 private:
     void record_use(const std::string& id, std::int64_t now_ms);
@@ -76,6 +81,7 @@ std::optional<Token> valid_token(soci::session& session,
 std::optional<Token> take_one_shot(soci::session& session,
                                    const std::string& secret,
                                    const std::string& path,
+                                   const std::string& query,
                                    std::int64_t now_ms);
 
 }  // namespace divemesh::storage

@@ -65,4 +65,12 @@ std::string reason_of_held(const Job& job) {
     return word(job.paused ? WaitReason::Paused : WaitReason::Parent);
 }
 
+ShownJob with_wait_reason(soci::session& session, const Job& job) {
+    ShownJob shown;
+    static_cast<Job&>(shown) = job;
+    if (job.state == JobState::Held) shown.waits_for = reason_of_held(job);
+    if (job.state == JobState::Queued) shown.waits_for = WaitReasons(session).of(job);
+    return shown;
+}
+
 }  // namespace divemesh::storage

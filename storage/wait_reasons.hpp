@@ -5,7 +5,7 @@
 #include <soci/soci.h>
 #include <string>
 
-#include "schemas/job.hpp"
+#include "schemas/shown_job.hpp"
 
 namespace divemesh::storage {
 
@@ -35,5 +35,8 @@ private:
 
 // Returns why a held job waits.
 std::string reason_of_held(const Job& job);
+
+// Returns a job with why it waits now, as it is told to those who follow it.
+ShownJob with_wait_reason(soci::session& session, const Job& job);
 
 }  // namespace divemesh::storage

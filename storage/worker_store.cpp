@@ -73,6 +73,22 @@ void WorkerStore::remove(const std::string& name) {
     });
 }
 
+void WorkerStore::forget_silent(std::chrono::milliseconds silence) {
+    const std::string forgotten = " FROM workers WHERE seen_at_ms < :since AND draining = 0";
+    std::int64_t since_ms = 0;
+    bool is_any = false;
+    catalog_.read([&](soci::session& session) {
+        since_ms = Catalog::now_ms(session) - silence.count();
+        is_any = select_one<TextRow>(
+                     session, "SELECT name" + forgotten + " LIMIT 1", soci::use(since_ms, "since"))
+                     .has_value();
+    });
+    if (!is_any) return;  // most of the time, and without the write lock
+    catalog_.transaction([&](soci::session& session) {
+        execute(session, "DELETE" + forgotten, soci::use(since_ms, "since"));
+    });
+}
+
 std::vector<Worker> WorkerStore::list() {
     std::vector<Worker> workers;
     catalog_.read([&](soci::session& session) { workers = read_workers(session, ""); });

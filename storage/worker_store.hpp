@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ public:
     // Removes rows of workers that were silent for a day.
     void report(const std::string& name, int num_slots, const std::string& waits_for = "");
     void remove(const std::string& name);
+    // Removes the workers that were silent for so long. One that was told to drain stays for a day,
+    // so that it still drains if it was only suspended.
+    void forget_silent(std::chrono::milliseconds silence);
 
     std::vector<Worker> list();           // by name
     Worker get(const std::string& name);  // throws Error{NotFound}

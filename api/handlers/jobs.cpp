@@ -6,6 +6,7 @@
 #include <boost/asio/use_awaitable.hpp>
 #include <chrono>
 #include <limits>
+#include <utility>
 
 #include "api/audit.hpp"
 #include "api/authorization.hpp"
@@ -170,12 +171,12 @@ Awaitable<Response> create_job(Request request, Services services) {
         const Dive dive = visible_dive(request, services.catalog);
         require_bytes_of_quota(services, dive.project, 0);
         auto catalog = audited(services, request);
-        return storage::JobStore(catalog).enqueue(job_request(request, dive));
+        auto made = storage::JobStore(catalog).enqueue(job_request(request, dive));
+        return std::pair(shown_job(std::move(made.job), services, services.catalog), made.is_new);
     };
-    const auto made = co_await in_pool(services.pool, std::move(work));
-    Response response =
-        json_response(made.is_new ? http::status::created : http::status::ok, made.job);
-    response.set("Location", "/api/v1/jobs/" + made.job.id);
+    const auto [job, is_new] = co_await in_pool(services.pool, std::move(work));
+    Response response = json_response(is_new ? http::status::created : http::status::ok, job);
+    response.set("Location", "/api/v1/jobs/" + job.id);
     co_return response;
 }
 
@@ -192,7 +193,8 @@ Awaitable<Response> change_job(Request request, Services services) {
     auto change = [services](const Request& asked) {
         const std::string id = visible_job(asked, services.catalog).id;
         auto catalog = audited_if_job_matches(services, asked);
-        return storage::JobStore(catalog).change(id, job_change(asked));
+        Job job = storage::JobStore(catalog).change(id, job_change(asked));
+        return shown_job(std::move(job), services, services.catalog);
     };
     return change_resource(std::move(request), services, change);
 }
@@ -200,7 +202,8 @@ Awaitable<Response> change_job(Request request, Services services) {
 Awaitable<Response> cancel_job(Request request, Services services) {
     auto cancel = [services](const Request& asked) {
         auto catalog = audited_if_job_matches(services, asked);
-        return storage::JobStore(catalog).cancel(visible_job(asked, catalog).id);
+        Job job = storage::JobStore(catalog).cancel(visible_job(asked, catalog).id);
+        return shown_job(std::move(job), services, services.catalog);
     };
     return change_resource(std::move(request), services, cancel);
 }
@@ -211,7 +214,8 @@ Awaitable<Response> retry_job(Request request, Services services) {
         const Job job = visible_job(asked, services.catalog);
         require_bytes_of_quota(services, job.project, 0);
         auto catalog = audited_if_job_matches(services, asked);
-        return storage::JobStore(catalog).retry(job.id);
+        Job retried = storage::JobStore(catalog).retry(job.id);
+        return shown_job(std::move(retried), services, services.catalog);
     };
     return change_resource(std::move(request), services, retry);
 }

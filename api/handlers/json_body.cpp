@@ -14,19 +14,6 @@ namespace {
 
 constexpr std::int64_t kMaxLimit = 200;
 
-std::string escaped(const std::string& text) {
-    constexpr char kDigits[] = "0123456789ABCDEF";
-    std::string result;
-    for (const char c : text) {
-        const auto byte = static_cast<unsigned char>(c);
-        if (std::isalnum(byte) != 0 || c == '-' || c == '_' || c == '.')
-            result += c;
-        else
-            result += {'%', kDigits[byte >> 4], kDigits[byte & 15]};
-    }
-    return result;
-}
-
 }  // namespace
 
 std::string pointer_to(const std::string& key) {
@@ -148,10 +135,9 @@ Response page_response(const Request& request,
     about["next_cursor"] = next_cursor;
     Response response = json_response(http::status::ok, about);
     if (next_cursor.empty()) return response;
-    std::string link = request.path + "?cursor=" + escaped(next_cursor);
-    for (const auto& [name, value] : request.query)
-        if (name != "cursor") link += '&' + escaped(name) + '=' + escaped(value);
-    response.set("Link", "<" + link + ">; rel=\"next\"");
+    auto query = request.query;
+    query["cursor"] = next_cursor;
+    response.set("Link", "<" + request.path + "?" + query_text(query) + ">; rel=\"next\"");
     return response;
 }
 

@@ -4,6 +4,8 @@
 
 #include "api/content_coding.hpp"
 #include "api/etag.hpp"
+#include "api/plain_share.hpp"
+#include "api/public_url.hpp"
 #include "schemas/error.hpp"
 
 namespace divemesh::api {
@@ -77,6 +79,14 @@ Response page_response(const Request& request,
     return response;
 }
 
+Response plain_response(const char* media_type, std::string_view text) {
+    Response response = empty_response(http::status::ok);
+    response.set("Content-Type", media_type);
+    response.body = std::string(text);
+    protect(response, "'none'");
+    return response;
+}
+
 }  // namespace
 
 Awaitable<Response> show_page(Request request, Services services) {
@@ -88,6 +98,17 @@ Awaitable<Response> show_page_in_frame(Request request, Services services) {
     for (const std::string& origin : services.limits.frame_ancestors)
         ancestors += (ancestors.empty() ? "" : " ") + origin;
     co_return page_response(request, services, ancestors.empty() ? "'none'" : ancestors);
+}
+
+Awaitable<Response> show_share(Request request, Services services) {
+    const bool has_page = find_file(services, "index.html") != nullptr;
+    if (has_page && !has_prefix(services.limits))
+        co_return page_response(request, services, "'none'");
+    co_return plain_response("text/html; charset=utf-8", plain_share_html());
+}
+
+Awaitable<Response> get_plain_share_script(Request, Services) {
+    co_return plain_response("text/javascript; charset=utf-8", plain_share_js());
 }
 
 Awaitable<Response> get_page_asset(Request request, Services services) {

@@ -4,6 +4,7 @@
 #include "api/disk_guard.hpp"
 #include "api/handlers/json_body.hpp"
 #include "api/handlers/resource.hpp"
+#include "api/handlers/shown_jobs.hpp"
 #include "api/in_pool.hpp"
 #include "api/preconditions.hpp"
 #include "schemas/json.hpp"
@@ -83,7 +84,11 @@ Awaitable<Response> redrive_queue(Request request, Services services) {
     auto work = [services, request, project, limit] {
         require_room(services);
         auto catalog = audited_if_queue_matches(services, request, project);
-        return storage::JobStore(catalog).redrive(project, limit);
+        std::vector<ShownJob> shown;
+        for (Job& job :
+             storage::JobStore(catalog).redrive(project, limit, services.limits.max_project_bytes))
+            shown.push_back(shown_job(std::move(job), services, services.catalog));
+        return shown;
     };
     const auto jobs = co_await in_pool(services.pool, std::move(work));
     co_return whole_list_response(request, jobs);

@@ -41,7 +41,7 @@ storage::CreatedSession begin_session(const Services& services, const Request& r
 
 Awaitable<Response> create_session(Request request, Services services) {
     if (services.no_auth) co_return secret_response(session_json(request.token, "", 0));
-    if (session_secret(request))
+    if (session_secret(request, services.limits))
         throw Error(ErrorCode::Unauthorized,
                     "a session begins with a token: send it as Authorization: Bearer");
     auto begin = [services, request] { return begin_session(services, request); };
@@ -53,7 +53,7 @@ Awaitable<Response> create_session(Request request, Services services) {
 }
 
 Awaitable<Response> get_session(Request request, Services services) {
-    const auto secret = services.no_auth ? std::nullopt : session_secret(request);
+    const auto secret = services.no_auth ? std::nullopt : session_secret(request, services.limits);
     nlohmann::json shown = session_json(request.token, "", request.token.expires_at_ms);
     if (secret) {
         auto find = [secret](storage::Catalog& catalog) {
@@ -70,7 +70,7 @@ Awaitable<Response> get_session(Request request, Services services) {
 
 Awaitable<Response> end_session(Request request, Services services) {
     require_no_tag(request);
-    const auto secret = services.no_auth ? std::nullopt : session_secret(request);
+    const auto secret = services.no_auth ? std::nullopt : session_secret(request, services.limits);
     if (secret) {
         auto end = [services, request, secret] {
             auto catalog = audited(services, request);
@@ -80,6 +80,7 @@ Awaitable<Response> end_session(Request request, Services services) {
     }
     Response response = empty_response(http::status::no_content);
     set_session_cookie(request, services.limits, "", response);
+    response.set("Clear-Site-Data", "\"cache\"");  // models and images that the browser has kept
     co_return response;
 }
 

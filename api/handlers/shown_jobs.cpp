@@ -24,10 +24,14 @@ void add_deletion(ShownJob& job, storage::Catalog& catalog) {
     job.expires_at_ms = deletion.expires_at_ms;
 }
 
+ShownJob shown_job(Job job, const Services& services, storage::Catalog& catalog) {
+    ShownJob shown = with_forecast(std::move(job), services, catalog);
+    add_deletion(shown, catalog);
+    return shown;
+}
+
 ShownJob shown_job(const Request& request, const Services& services, storage::Catalog& catalog) {
-    ShownJob job = with_forecast(visible_job(request, catalog), services, catalog);
-    add_deletion(job, catalog);
-    return job;
+    return shown_job(visible_job(request, catalog), services, catalog);
 }
 
 storage::Catalog audited_if_job_matches(const Services& services, const Request& request) {

@@ -12,7 +12,8 @@ ShownJob with_forecast(Job job, const Services& services, storage::Catalog& cata
 // Adds when the result of a job was deleted. Blocks.
 void add_deletion(ShownJob& job, storage::Catalog& catalog);
 
-// Returns the job of the request's path as GET shows it. Blocks.
+// Return a job, and the job of the request's path, as GET shows it. Block.
+ShownJob shown_job(Job job, const Services& services, storage::Catalog& catalog);
 ShownJob shown_job(const Request& request, const Services& services, storage::Catalog& catalog);
 
 // Returns the catalog for a change of that job, see audited_if_match().

@@ -6,8 +6,10 @@
 #include "api/handlers/resource.hpp"
 #include "api/in_pool.hpp"
 #include "api/public_url.hpp"
+#include "api/query_parameters.hpp"
 #include "api/router.hpp"
 #include "api/target.hpp"
+#include "schemas/invalid_input.hpp"
 #include "schemas/json.hpp"
 #include "storage/token_store.hpp"
 
@@ -23,18 +25,35 @@ storage::NewToken token_request(const Request& request) {
             .lifetime = std::chrono::seconds(value_or<std::int64_t>(body, "expires_in_s", 0))};
 }
 
-// Returns the path of a one-shot token: paths that a browser opens by itself, without custom
-// headers, i.e. downloads and event streams, and the one that signs a browser in.
+// Returns the path of a one-shot token, with the query that it is bound to: paths that a browser
+// opens by itself, without custom headers, i.e. downloads and event streams, and the one that signs
+// a browser in.
 std::string one_shot_path(const Request& request) {
     const auto body = json_body(request, {"path"});
-    auto path = value_or<std::string>(body, "path", "");
-    if (path == kSessionPath) return path;
-    const Route* route = path.starts_with('/') ? find_route(verb::get, path).route : nullptr;
+    const auto text = value_or<std::string>(body, "path", "");
+    if (text == kSessionPath) return text;
+    Request opened;
+    if (text.starts_with('/')) {
+        Target target = parse_target(text);
+        opened.path = std::move(target.path);
+        opened.query = std::move(target.query);
+    }
+    const Route* route = opened.path.empty() ? nullptr : find_route(verb::get, opened.path).route;
     if (route == nullptr || (route->kind != RouteKind::File && route->kind != RouteKind::WebSocket))
-        throw Error(ErrorCode::InvalidArgument,
-                    "\"path\" must be that of a file or an event stream, without its query, or "
-                    "/api/v1/session");
-    return path;
+        throw InvalidInput(
+            {{"\"path\" must be that of a file or an event stream, or /api/v1/session",
+              "/path",
+              ""}});
+    if (opened.query.contains("one_shot"))
+        throw InvalidInput({{"\"path\" has a one_shot already: leave it out", "/path", ""}});
+    require_known_query(opened, *route);
+    return opened.query.empty() ? opened.path : opened.path + "?" + query_text(opened.query);
+}
+
+std::string opening_address(const std::string& path, const std::string& secret) {
+    if (path == kSessionPath) return "/sign-in#" + secret;  // which no log sees
+    const char* separator = path.find('?') == std::string::npos ? "?" : "&";
+    return path + separator + "one_shot=" + secret;
 }
 
 }  // namespace
@@ -73,9 +92,7 @@ Awaitable<Response> create_one_shot_token(Request request, Services services) {
         return storage::TokenStore(catalog).create_one_shot(request.token, path, lifetime);
     };
     const auto made = co_await in_pool(services.pool, std::move(work));
-    const std::string address = made.path == kSessionPath
-                                    ? "/sign-in#" + made.secret  // which no log sees
-                                    : made.path + "?one_shot=" + made.secret;
+    const std::string address = opening_address(made.path, made.secret);
     co_return secret_response({{"secret", made.secret},
                                {"path", made.path},
                                {"url", public_address(services.limits, address)},

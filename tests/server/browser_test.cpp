@@ -38,6 +38,36 @@ TEST(BrowserTest, NoOtherOriginIsLetInByDefault) {
     EXPECT_EQ(response.header("access-control-allow-origin"), "");
 }
 
+TEST(BrowserTest, AnAnswerOfTheApiShownByItselfRunsNothingAndIsInNoFrame) {
+    TestServer server;
+    for (const char* path :
+         {"/healthz/live", "/api/v1/dives", "/api/v1/nothing", "/openapi.json"}) {
+        const auto response = server.request("GET", path, server.admin());
+        const std::string policy = response.header("content-security-policy");
+        EXPECT_TRUE(policy.starts_with("default-src 'none'; base-uri 'none'")) << path;
+        EXPECT_NE(policy.find("frame-ancestors 'none'"), std::string::npos) << path;
+        EXPECT_EQ(response.header("referrer-policy"), "no-referrer") << path;
+        EXPECT_EQ(response.header("x-content-type-options"), "nosniff") << path;
+    }
+}
+
+TEST(BrowserTest, NoCacheThatIsSharedKeepsAnAnswer) {
+    TestServer server;
+    const auto cached = [&](const char* path) {
+        return server.request("GET", path, server.admin()).header("cache-control");
+    };
+    EXPECT_EQ(cached("/api/v1/dives"), "private, no-cache");
+    EXPECT_EQ(cached("/api/v1/nothing"), "no-store");
+    EXPECT_EQ(cached("/api/v1/session"), "no-store");
+}
+
+TEST(BrowserTest, TraceSendsNothingBack) {
+    TestServer server;
+    const auto response = server.request("TRACE", "/healthz/live", "", {{"X-Secret", "mine"}});
+    EXPECT_EQ(response.status, 405);
+    EXPECT_EQ(response.body.find("mine"), std::string::npos);
+}
+
 TEST(BrowserTest, OnlyOriginsOnTheListAreLetIn) {
     TestServer server(lab_may());
     const auto allowed = preflight(server, kLab, "/api/v1/dives");

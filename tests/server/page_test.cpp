@@ -153,6 +153,8 @@ TEST(PageFreeTest, AServerWithoutThePageSaysSoAndWhereTheApiIs) {
     EXPECT_NE(response.body.find("without the web page"), std::string::npos);
     EXPECT_NE(response.body.find("/api/v1"), std::string::npos);
     EXPECT_EQ(server.request("GET", "/assets/main.js", "").status, 404);
+    EXPECT_NE(server.request("GET", "/share", "").body.find("src=\"share.js\""), std::string::npos)
+        << "sharing links work all the same";
 }
 
 TEST(PageFreeTest, RefusesToStartWithFrameAncestorsThatAreNoOrigins) {

@@ -50,6 +50,60 @@ TEST(PublicUrlTest, IsAHostAndAPath) {
         EXPECT_THROW(api::checked_public_url(wrong), Error) << wrong;
 }
 
+// The web page's files have addresses without the prefix, so the link has a page of its own.
+TEST(PublicUrlTest, ASharingLinkUnderAPrefixHasAPageWithoutAbsoluteAddresses) {
+    static constexpr api::PageFile kFiles[] = {{"index.html",
+                                                "text/html; charset=utf-8",
+                                                "0123456789abcdef0123456789abcdef",
+                                                "<script src=\"/assets/main.js\">",
+                                                ""}};
+    server::ServerConfig config = behind_proxy();
+    config.page = kFiles;
+    TestServer server(config);
+    EXPECT_EQ(server.request("GET", "/", "").body, kFiles[0].bytes);
+    const auto page = server.request("GET", "/share", "");
+    ASSERT_EQ(page.status, 200);
+    EXPECT_EQ(page.header("content-type"), "text/html; charset=utf-8");
+    EXPECT_NE(page.body.find("<script src=\"share.js\">"), std::string::npos) << page.body;
+    EXPECT_EQ(page.body.find("=\"/"), std::string::npos) << page.body;
+    const auto script = server.request("GET", "/share.js", "");
+    ASSERT_EQ(script.status, 200);
+    EXPECT_NE(script.body.find("ask(\"api/v1/session\""), std::string::npos);
+    for (const char* absolute : {"\"/", "`/", "'/"})
+        EXPECT_EQ(script.body.find(std::string(absolute) + "api"), std::string::npos);
+    EXPECT_NE(page.header("content-security-policy").find("script-src 'self'"), std::string::npos);
+}
+
+// A proxy may send a Host of its own, so the page's Origin is not that.
+TEST(PublicUrlTest, ItsOriginIsTheServersOwn) {
+    server::ServerConfig config = behind_proxy();
+    config.public_url = "https://Lab.example:443/dives";
+    TestServer server(config);
+    const auto begun = server.request("POST", "/api/v1/session", server.admin());
+    ASSERT_EQ(begun.status, 201) << begun.body;
+    const std::string set = begun.header("set-cookie");
+    const auto change = [&](const std::string& origin) {
+        return server
+            .request("POST",
+                     "/api/v1/queue/redrive",
+                     "",
+                     {{"Cookie", set.substr(0, set.find(';'))},
+                      {"X-CSRF-Token", begun.json()["csrf_token"]},
+                      {"Content-Type", "application/json"},
+                      {"Origin", origin}},
+                     "{}")
+            .status;
+    };
+    EXPECT_EQ(change("https://lab.example"), 200);
+    EXPECT_EQ(change("http://127.0.0.1"), 200) << "the Host of this request";
+    for (const char* other : {"http://lab.example",
+                              "https://lab.example:8443",
+                              "https://lab.example.evil.example",
+                              "https://evil.example",
+                              "null"})
+        EXPECT_EQ(change(other), 403) << other;
+}
+
 struct Client {
     std::string peer;
     bool is_https = false;

@@ -1,8 +1,10 @@
 // The queue over HTTP.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <thread>
 
+#include "storage/event_store.hpp"
 #include "storage/job_store.hpp"
 #include "storage/worker_store.hpp"
 #include "tests/server/test_server.hpp"
@@ -47,6 +49,31 @@ protected:
         "/api/v1/dives/" + server.make_dive("default", std::string(64, 'a')) + "/jobs";
     int num_jobs = 0;
 };
+
+TEST_F(QueueTest, EveryAnswerAndEventSaysWhyAJobWaits) {
+    const auto made = post(jobs_of_dive, nlohmann::json::object());
+    const std::string job = made.header("location");
+    const auto last_event = [&] {
+        const auto events = storage::EventStore(server.catalog()).since(0, "", 1000);
+        const auto last = std::find_if(events.rbegin(), events.rend(), [](const Event& event) {
+            return event.topic == "job";
+        });
+        return last == events.rend() ? nlohmann::json() : last->data;
+    };
+    EXPECT_EQ(made.json()["waits_for"], "worker");
+    EXPECT_EQ(last_event()["waits_for"], "worker");
+    EXPECT_EQ(patch(job, {{"paused", true}}).json()["waits_for"], "paused");
+    EXPECT_EQ(last_event()["waits_for"], "paused");
+    const auto resumed = patch(job, {{"paused", false}});
+    EXPECT_EQ(resumed.json(), get(job).json());
+    const auto cancelled = post(job + "/cancel", nlohmann::json::object());
+    EXPECT_FALSE(cancelled.json().contains("waits_for"));
+    EXPECT_FALSE(last_event().contains("waits_for"));
+    const auto retried = post(job + "/retry", nlohmann::json::object());
+    EXPECT_EQ(retried.json()["waits_for"], "worker");
+    EXPECT_EQ(retried.json(), get(job).json());
+    EXPECT_EQ(last_event()["waits_for"], "worker");
+}
 
 TEST_F(QueueTest, TellsAQueuedJobWhereItStands) {
     ask();

@@ -1,5 +1,7 @@
 #include <future>
+#include <soci/soci.h>
 
+#include "storage/job_store.hpp"
 #include "tests/server/tus_fixture.hpp"
 
 namespace divemesh {
@@ -95,6 +97,24 @@ TEST_F(ByteQuotaTest, PartsCountOnceAndTheirRepetitionsToo) {
     expect_out_of_quota(create({{"Upload-Concat", final_of({part, part, part})}}));
     EXPECT_EQ(create({{"Upload-Concat", final_of({part, part})}}).status, 201);
     EXPECT_EQ(usage()["stored_bytes"], 800);
+}
+
+TEST_F(ByteQuotaTest, NoDeadJobIsDrivenBeyondIt) {
+    const std::string dive = server.make_dive("default", std::string(64, 'a'));
+    storage::JobStore jobs(server.catalog());
+    jobs.enqueue({.project = "default", .dive_id = dive, .preset = "standard", .max_attempts = 1});
+    const auto claim = jobs.claim("worker", std::chrono::minutes(1));
+    ASSERT_TRUE(claim);
+    jobs.fail(claim->lease, {ErrorCode::Unavailable, "crashed"});
+    server.catalog().transaction(
+        [](soci::session& session) { session << "UPDATE dives SET archive_bytes = 1001"; });
+    const auto redrive = [&] {
+        return server.post_json("/api/v1/queue/redrive", token, nlohmann::json::object());
+    };
+    expect_out_of_quota(redrive());
+    server.catalog().transaction(
+        [](soci::session& session) { session << "UPDATE dives SET archive_bytes = 1"; });
+    EXPECT_EQ(redrive().json()["items"][0]["waits_for"], "worker");
 }
 
 class DiveQuotaTest : public TusTest {

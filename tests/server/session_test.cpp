@@ -117,6 +117,7 @@ TEST_F(SessionBehindProxyTest, TheCookieIsForTlsAloneIfTheProxySpeaksIt) {
     const auto response =
         post_session(editor, {{"X-Forwarded-For", "192.0.2.7"}, {"X-Forwarded-Proto", "https"}});
     EXPECT_TRUE(response.header("set-cookie").ends_with("; Secure"));
+    EXPECT_TRUE(response.header("set-cookie").starts_with("__Host-divemesh_session="));
 }
 
 TEST_F(SessionTest, ASharingLinkOpensItsJobAloneUntilItIsWithdrawn) {
@@ -328,6 +329,7 @@ TEST_F(SessionTest, SigningOutEndsItAndTheBrowserForgetsTheCookie) {
     const auto out = change(browser, "DELETE", kSession);
     EXPECT_EQ(out.status, 204);
     EXPECT_TRUE(out.header("set-cookie").starts_with("divemesh_session=; Path=/; Max-Age=0"));
+    EXPECT_EQ(out.header("clear-site-data"), "\"cache\"");
     EXPECT_EQ(ask(browser, "GET", "/api/v1/dives").status, 401);
     EXPECT_EQ(change(browser, "DELETE", kSession).status, 401);
     EXPECT_EQ(ask(other, "GET", "/api/v1/dives").status, 200);
@@ -499,6 +501,26 @@ TEST(OpenSessionTest, WithoutAuthenticationAPageOfAnotherOriginChangesNothing) {
     EXPECT_EQ(redrive({{"Origin", "http://127.0.0.1"}}), redrive({}));
     EXPECT_EQ(redrive({{"Origin", "https://lab.example"}}), redrive({}));
     EXPECT_NE(redrive({}), 403);
+}
+
+// A name of somebody else's page may lead to this machine: then its Origin and Host agree.
+TEST(OpenSessionTest, WithoutAuthenticationOnlyTheServersOwnNameIsAnswered) {
+    server::ServerConfig config;
+    config.no_auth = true;
+    config.public_url = "https://lab.example/dives";
+    TestServer server(config);
+    const auto read = [&](const std::string& host) {
+        RawClient client(server.port());
+        client.send("GET /api/v1/dives HTTP/1.1\r\nHost: " + host + "\r\nOrigin: http://" + host +
+                    "\r\n\r\n");
+        return client.receive().value_or(RawResponse{}).status;
+    };
+    EXPECT_EQ(read("evil.example"), 403);
+    EXPECT_EQ(read("evil.example:8080"), 403);
+    EXPECT_EQ(read("127.0.0.1.evil.example"), 403);
+    for (const char* own :
+         {"127.0.0.1", "127.0.0.1:8080", "localhost:8080", "[::1]:8080", "lab.example"})
+        EXPECT_EQ(read(own), 200) << own;
 }
 
 }  // namespace

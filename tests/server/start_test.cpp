@@ -3,6 +3,7 @@
 #include <fcntl.h>
 #include <fstream>
 #include <soci/soci.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "schemas/error.hpp"
@@ -53,6 +54,22 @@ TEST(StartTest, MakesOneTokenThatItsOwnerAloneCanRead) {
               fs::perms::owner_read | fs::perms::owner_write);
     const Server again(config_at(data, "127.0.0.1:0"));
     EXPECT_EQ(again.first_token(), "");
+}
+
+TEST(StartTest, ANewDataFolderIsClosedToOtherUsersOfTheMachine) {
+    const TemporaryFolder folder;
+    server::ServerConfig config;
+    config.listen = "127.0.0.1:0";
+    config.data = folder / "data";
+    const mode_t umask_before = umask(0);
+    { const server::Server server(config); }
+    umask(umask_before);
+    EXPECT_EQ(fs::status(folder / "data").permissions() & fs::perms::others_all, fs::perms::none);
+    fs::permissions(folder / "data", fs::perms::others_read, fs::perm_options::add);
+    { const server::Server again(config); }
+    EXPECT_EQ(fs::status(folder / "data").permissions() & fs::perms::others_all,
+              fs::perms::others_read)
+        << "what the operator has set stays";
 }
 
 TEST(StartTest, DoesNotServeWithoutTheBlobsOfItsCatalog) {

@@ -178,7 +178,40 @@ TEST_F(TlsTest, TheCookieOfASessionIsForTlsAlone) {
     const auto begun = connection.send(
         {"POST", "/api/v1/session", {{"Authorization", "Bearer " + server.admin()}}, ""});
     EXPECT_EQ(begun.status, 201) << begun.body;
-    EXPECT_TRUE(begun.header("set-cookie").ends_with("; Secure")) << begun.header("set-cookie");
+    const std::string set = begun.header("set-cookie");
+    EXPECT_TRUE(set.ends_with("; Secure")) << set;
+    ASSERT_TRUE(set.starts_with("__Host-divemesh_session=")) << set;
+    EXPECT_NE(set.find("; Path=/;"), std::string::npos) << set;
+    const std::string secret = set.substr(set.find('='), set.find(';') - set.find('='));
+    const auto status = [&](const std::string& name) {
+        return connection.send({"GET", "/api/v1/session", {{"Cookie", name + secret}}, ""}).status;
+    };
+    EXPECT_EQ(status("__Host-divemesh_session"), 200);
+    EXPECT_EQ(status("divemesh_session"), 401) << "any host of the same site can set this one";
+}
+
+// RFC 9325, 4.2: with TLS 1.2 only what has forward secrecy and authenticated encryption.
+TEST_F(TlsTest, OldVersionsAndWeakCiphersAreRefused) {
+    TestServer server(config);
+    const auto connects = [&](int version, const char* ciphers) {
+        asio::io_context io;
+        asio::ssl::context context(asio::ssl::context::tls_client);
+        SSL_CTX_set_security_level(context.native_handle(), 0);
+        SSL_CTX_set_min_proto_version(context.native_handle(), version);
+        SSL_CTX_set_max_proto_version(context.native_handle(), version);
+        EXPECT_EQ(SSL_CTX_set_cipher_list(context.native_handle(), ciphers), 1);
+        asio::ssl::stream<asio::ip::tcp::socket> stream(io, context);
+        stream.next_layer().connect(
+            {asio::ip::make_address("127.0.0.1"), static_cast<unsigned short>(server.port())});
+        boost::system::error_code failure;
+        stream.handshake(asio::ssl::stream_base::client, failure);
+        return !failure;
+    };
+    EXPECT_TRUE(connects(TLS1_2_VERSION, "ECDHE-RSA-AES128-GCM-SHA256"));
+    EXPECT_TRUE(connects(TLS1_2_VERSION, "ECDHE-RSA-CHACHA20-POLY1305"));
+    EXPECT_FALSE(connects(TLS1_2_VERSION, "AES128-GCM-SHA256")) << "no forward secrecy";
+    EXPECT_FALSE(connects(TLS1_2_VERSION, "ECDHE-RSA-AES128-SHA")) << "CBC";
+    EXPECT_FALSE(connects(TLS1_1_VERSION, "ALL:@SECLEVEL=0"));
 }
 
 TEST_F(TlsTest, WhoSpeaksNoTlsIsLeftAlone) {

@@ -129,6 +129,30 @@ TEST_F(TokenTest, ARevokedTokenReadsNoFurther) {
     EXPECT_LT(received, 25'000'000U);
 }
 
+// Clients state what they will open as they write it in an address, with its query.
+TEST_F(TokenTest, AOneShotTokenForAPathWithAQueryOpensItWithThatQueryAlone) {
+    const std::string zip = artifact.substr(0, artifact.find("/artifacts/")) + "/artifacts.zip";
+    const auto made = server.post_json(
+        "/api/v1/one_shot_tokens", reader, {{"path", zip + "?names=mesh.glb%2Cx"}});
+    ASSERT_EQ(made.status, 201) << made.body;
+    const std::string url = made.json()["url"];
+    const std::string secret = made.json()["secret"];
+    EXPECT_EQ(open(zip, secret), 401);
+    EXPECT_EQ(server.request("GET", zip + "?names=x&one_shot=" + secret, "").status, 401);
+    EXPECT_EQ(server.request("GET", url, "").status, 404) << "there is no artifact x";
+    const std::string events = one_shot("/api/v1/events?since=0", reader);
+    EXPECT_EQ(open("/api/v1/events", events), 401);
+    EXPECT_EQ(server.request("GET", "/api/v1/events?one_shot=" + events + "&since=0", "").status,
+              426)
+        << "the order of the parameters does not count";
+    const auto status = [&](const std::string& path) {
+        return server.post_json("/api/v1/one_shot_tokens", reader, {{"path", path}}).status;
+    };
+    EXPECT_EQ(status("/api/v1/events?sinse=0"), 400);
+    EXPECT_EQ(status("/api/v1/events?one_shot=x"), 400);
+    EXPECT_EQ(status("/api/v1/events?since=%zz"), 400);
+}
+
 TEST_F(TokenTest, OfManyWhoRaceForAOneShotTokenOneGetsIn) {
     const std::string secret = one_shot(artifact, reader);
     std::atomic<int> let_in = 0;
@@ -153,7 +177,7 @@ TEST_F(TokenTest, AOneShotTokenHasNoMoreRightsThanItsMaker) {
 
 TEST_F(TokenTest, OneShotTokensAreForFilesAndStreamsAlone) {
     for (const std::string path :
-         {"/api/v1/dives", "/api/v1/tokens", "", "x", "/api/v1/events?since=0", "/nothing"})
+         {"/api/v1/dives", "/api/v1/tokens", "", "x", "/api/v1/events#x", "/nothing"})
         EXPECT_EQ(server.post_json("/api/v1/one_shot_tokens", reader, {{"path", path}}).status, 400)
             << path;
     const std::string secret = one_shot(artifact, reader);

@@ -52,6 +52,7 @@ public:
         for (boost::beast::flat_buffer buffer; !error;) socket_.read(buffer, error);
         return socket_.reason().code;
     }
+    std::string close_reason() const { return socket_.reason().reason.c_str(); }  // after that
 
 private:
     boost::asio::io_context context_;

@@ -335,6 +335,26 @@ TEST_F(QueueTest, DeadLettersAreListedAndDriven) {
     EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [&] { jobs_.redrive("", 0); }));
 }
 
+TEST_F(QueueTest, NothingIsDrivenOfAProjectThatHasTooMuch) {
+    const Dive dive = ready_dive();
+    const Job dead = enqueue(dive, 1);
+    jobs_.fail(claim().lease, {ErrorCode::Unavailable, "crashed"});
+    const auto redrive = [&](const std::string& project) {
+        return jobs_.redrive(project, 10, 1'000'000);
+    };
+    catalog_.transaction([&](soci::session& session) {
+        session << "UPDATE dives SET archive_bytes = 1000001 WHERE id = :id", soci::use(dive.id);
+    });
+    EXPECT_TRUE(throws_code(ErrorCode::OutOfQuota, [&] { redrive("default"); }));
+    EXPECT_TRUE(throws_code(ErrorCode::OutOfQuota, [&] { redrive(""); }));
+    EXPECT_TRUE(redrive("other").empty());
+    EXPECT_EQ(jobs_.get(dead.id).state, JobState::Dead);
+    catalog_.transaction([&](soci::session& session) {
+        session << "UPDATE dives SET archive_bytes = 1000000 WHERE id = :id", soci::use(dive.id);
+    });
+    EXPECT_EQ(redrive("").size(), 1u);
+}
+
 TEST_F(QueueTest, NothingIsDrivenOfADiveThatWasDeleted) {
     const Dive deleted = ready_dive("deleted");
     const Job dead = enqueue(deleted, 1);

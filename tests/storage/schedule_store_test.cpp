@@ -99,6 +99,23 @@ TEST_F(ScheduleStoreTest, SaysWhatKeptItFromAReport) {
     EXPECT_EQ(schedules_.get(made.id).last_problem, "no dive has this tag");
 }
 
+TEST_F(ScheduleStoreTest, AProjectThatHasTooMuchGetsNoReportAndItSaysWhy) {
+    const Dive dive = tagged_dive("a");
+    const Schedule made = schedule();
+    catalog_.transaction([&](soci::session& session) {
+        session << "UPDATE dives SET archive_bytes = 1001 WHERE id = :id", soci::use(dive.id);
+    });
+    let_pass(made);
+    EXPECT_EQ(schedules_.run_due("", {}, 1000), 0);
+    EXPECT_EQ(num_reports(), 0U);
+    const Schedule after = schedules_.get(made.id);
+    EXPECT_EQ(after.last_problem.rfind("project default has 1001 of 1000 bytes", 0), 0U)
+        << after.last_problem;
+    let_pass(made);
+    EXPECT_EQ(schedules_.run_due("", {}, 1001), 1);
+    EXPECT_EQ(schedules_.get(made.id).last_problem, "");
+}
+
 TEST_F(ScheduleStoreTest, NonsenseIsRefusedAndWhatIsGoneIsNotRun) {
     EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [&] { schedule("every day"); }));
     EXPECT_TRUE(throws_code(ErrorCode::InvalidArgument, [&] { schedule("0 0 30 2 *"); }));
