@@ -36,7 +36,12 @@ cgroup='' booted='' init=''
 clean_up() {
     [[ -z $booted ]] || kill -KILL "$booted" 2>/dev/null || true # unshare heeds no other signal
     [[ -z $booted ]] || wait "$booted" 2>/dev/null || true
-    [[ -z $cgroup ]] || find "$cgroup" -depth -type d -exec rmdir {} \; 2>/dev/null || true
+    local i
+    for ((i = 0; i < 50; i++)); do # until the last process has gone
+        [[ -n $cgroup && -d $cgroup ]] || break
+        find "$cgroup" -depth -type d -exec rmdir {} \; 2>/dev/null || true
+        sleep 0.1
+    done
     rm -rf --one-file-system "$folder"
 }
 trap clean_up EXIT
