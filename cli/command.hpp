@@ -40,6 +40,7 @@ void add_import(CLI::App& app, Context& context);
 void add_report(CLI::App& app, Context& context);
 void add_measure(CLI::App& app, Context& context);
 void add_simulate(CLI::App& app, Context& context);
+void add_demo(CLI::App& app, Context& context);
 void add_validate(CLI::App& app, Context& context);
 
 }  // namespace divemesh::cli

@@ -146,4 +146,17 @@ void print_failure(api::client::RestClient& rest, const Job& job) {
     if (dive.state == DiveState::Refused) print_findings(rest, job.dive_id);
 }
 
+bool fetch_results(api::client::RestClient& rest,
+                   const std::string& job_id,
+                   const std::filesystem::path& folder) {
+    const Job job = wait_for_job(rest, job_id);
+    const bool succeeded = job.state == JobState::Succeeded;
+    if (succeeded)
+        print_job_metrics(rest, job);
+    else
+        print_failure(rest, job);
+    if (!folder.empty() && (succeeded || job.verdict)) download_job(rest, job_id, {}, folder);
+    return succeeded;
+}
+
 }  // namespace divemesh::cli

@@ -41,4 +41,10 @@ void print_job_metrics(api::client::RestClient& rest, const Job& job);
 // refused dive.
 void print_failure(api::client::RestClient& rest, const Job& job);
 
+// Waits for a job and prints its metrics, or why it did not succeed. Downloads its artifacts, those
+// of a result that is not usable too, unless `folder` is empty. Returns whether it succeeded.
+bool fetch_results(api::client::RestClient& rest,
+                   const std::string& job_id,
+                   const std::filesystem::path& folder);
+
 }  // namespace divemesh::cli

@@ -57,7 +57,7 @@ int run(int argc, char** argv) {
     app.add_flag("--json", context.json, "print results as JSON");
     // clang-format off
     for (const auto add : {add_reconstruct, add_validate, add_evaluate, add_compare, add_export, add_report,
-                           add_measure, add_simulate, add_import, add_calibrate,
+                           add_measure, add_simulate, add_demo, add_import, add_calibrate,
                            add_serve, add_worker, add_attempt, add_token, add_backup, add_restore,
                            add_sensor, add_upload, add_dives, add_jobs, add_download, add_cancel,
                            add_retry, add_share, add_queue, add_workers, add_schedules})

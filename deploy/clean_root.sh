@@ -53,28 +53,8 @@ fi
 repository=$(realpath "$(dirname "$0")/..")
 root=$CLEAN_ROOT/root
 clone=/home/divemesh
-
-# "deb URI SUITE main" of this machine's sources of Debian 12; other people's packages (a newer Node)
-# are what such a root is to be without.
-debian_sources() {
-    # shellcheck disable=SC2016 # these are apt's variables
-    apt-get indextargets --format '$(ORIGIN) $(RELEASE) $(COMPONENT) $(REPO_URI)' 'Created-By: Packages' |
-        sed -nE 's/^(Debian)? (bookworm(-updates|-security)?) main (.*)$/deb \4 \2 main/p' | sort -u
-}
-
-apt_settings() {
-    apt-config dump | grep -E '^Acquire::(https?(::[^:]+)*::(Proxy|Verify-Peer|Verify-Host|CaInfo)|Check-(Date|Valid-Until)) ' || true
-}
-
-make_root() {
-    local sources
-    sources=$(debian_sources)
-    apt_settings >"$CLEAN_ROOT/apt.conf"
-    echo "clean_root: Debian 12 and git from ${sources:-deb.debian.org}"
-    printf '%s\n' "$sources" >"$CLEAN_ROOT/sources.list"
-    mmdebstrap --quiet --variant=minbase --include=git --aptopt="$CLEAN_ROOT/apt.conf" \
-        bookworm "$root" ${sources:+"$CLEAN_ROOT/sources.list"}
-}
+# shellcheck source=debian_root.sh
+source "$repository/deploy/debian_root.sh"
 
 # localhost, the name server, and the certificates that this machine's owner added to Debian's.
 own_certificates=/usr/local/share/ca-certificates
@@ -115,7 +95,7 @@ run_in_root() {
     done
 }
 
-make_root
+make_debian_root "$CLEAN_ROOT" git
 copy_network_settings
 mount_into_root
 clone_repository

@@ -1,7 +1,7 @@
 #!/bin/bash
 # Installs, builds and passes all tests: with sanitizers, and optimised those for which that matters.
 # `--full` adds what takes longer: all of them optimised, thread sanitizer, linter, every dive of the
-# shared data, the demo, and the demo and these tests in a fresh Debian 12.
+# shared data, the demo, and in a fresh Debian 12 the packages, the demo and these tests.
 # A test that is skipped without a reason on tests/allowed_skips.txt fails it.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -74,6 +74,8 @@ build_plainly() { cmake --preset release -B build/plain -DDIVEMESH_PRECOMPILE=OF
 can_make_clean_root() {
     command -v mmdebstrap >/dev/null && { ((EUID != 0)) || unshare --mount --pid --fork true; }
 }
+# Where systemd cannot run in namespaces, it says so.
+test_packages() { deploy/test_package.sh || (($? == 77)); }
 lint() { git ls-files '*.cpp' | grep -v ^tests/ | xargs -P "$(nproc)" -n 4 clang-tidy -p build/plain --quiet; }
 
 if $full; then
@@ -111,7 +113,9 @@ if $full; then
     step "uploads, with a dive of 10 GB over a link that breaks" tests/bench/run.sh --only upload --large --repeat 3
     step "skipped tests, of all runs" tests/check_skips.sh "$results"/*.xml
     step "demo" deploy/demo.sh
+    step "packages" deploy/package.sh
     if can_make_clean_root; then
+        step "packages in a fresh Debian 12" test_packages
         step "demo and tests in a fresh Debian 12" deploy/clean_root.sh
     else
         echo "=== left out: a fresh Debian 12 (no mmdebstrap, or this machine lets us mount nothing)"

@@ -33,7 +33,7 @@ TEST_F(CommandLineTest, HelpsWithEverySubCommand) {
     for (const std::string command :
          {"serve",  "worker", "token",    "upload",   "dives",     "jobs",        "download",
           "cancel", "retry",  "queue",    "workers",  "schedules", "reconstruct", "evaluate",
-          "import", "report", "simulate", "validate", "backup",    "restore"}) {
+          "import", "report", "simulate", "validate", "backup",    "restore",     "demo"}) {
         const Outcome outcome = run({command, "--help"});
         EXPECT_EQ(outcome.exit_code, 0) << command;
         EXPECT_NE(outcome.out.find("Usage: divemesh " + command), std::string::npos) << outcome.out;
@@ -184,6 +184,26 @@ TEST_F(CommandLineTest, AReportEndsWithThreeWhenARequirementIsNotMet) {
     EXPECT_EQ(misspelt.exit_code, 2);
     EXPECT_NE(misspelt.err.find("frames.coverage"), std::string::npos) << misspelt.err;
     EXPECT_EQ(report({"--ground-truth", (folder / "none.tum").string()}).exit_code, 1);
+}
+
+TEST_F(CommandLineTest, ADemoLeavesAMeshAndNoServerWhateverTheUserHasConfigured) {
+    const fs::path out = folder / "demo";
+    const Process::Environment environment = {{"XDG_STATE_HOME", folder.path().string()},
+                                              {"DIVEMESH_CATALOG", "sqlite:///nowhere/catalog.db"},
+                                              {"DIVEMESH_LISTEN", "nowhere"}};
+    const auto demo = [&] {
+        return run({"demo", small_dive().string(), "--out", out.string(), "--preset", "fast"},
+                   environment);
+    };
+    const Outcome first = demo();
+    ASSERT_EQ(first.exit_code, 0) << first.err;
+    const fs::path mesh = out / "result" / "mesh.glb";
+    EXPECT_EQ(first.out, mesh.string() + "\n");
+    EXPECT_EQ(read_text(mesh).substr(0, 4), "glTF");
+    EXPECT_NE(read_text(out / "server.log").find("worker_started"), std::string::npos);
+    const Outcome second = demo();  // of the server that it finds in the folder
+    EXPECT_EQ(second.exit_code, 0) << second.err;
+    EXPECT_NE(second.err.find("already has this dive"), std::string::npos) << second.err;
 }
 
 TEST_F(CommandLineTest, StopsAReconstructionAtOnceWhenItIsInterrupted) {
