@@ -30,12 +30,18 @@ bool is_loopback_host(const std::string& host) {
     return !failure && address.is_loopback();
 }
 
+// Browsers send these themselves, and no page can leave them out (Fetch standard, forbidden request
+// header names).
+bool may_be_browser(const Request& request) {
+    return request.has_header("accept-encoding") || request.has_header("origin");
+}
+
 // Without tokens a browser would do whatever any page that is open in it asks. A page whose own
 // name leads to this machine (DNS rebinding) would even be of the same origin.
 void refuse_other_pages(const Request& request, const ServiceLimits& limits) {
     const std::string host = request.header("host");
-    // Browsers name the host always.
-    if (!host.empty() && !is_loopback_host(host) && !public_origin(limits).ends_with("://" + host))
+    if (may_be_browser(request) && !is_loopback_host(host) &&
+        !public_origin(limits).ends_with("://" + host))
         throw Error(ErrorCode::Forbidden,
                     "without tokens this server answers only to its own name, not to " + host +
                         ": use 127.0.0.1 or localhost, or state the name with --public-url");

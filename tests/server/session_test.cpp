@@ -509,18 +509,21 @@ TEST(OpenSessionTest, WithoutAuthenticationOnlyTheServersOwnNameIsAnswered) {
     config.no_auth = true;
     config.public_url = "https://lab.example/dives";
     TestServer server(config);
-    const auto read = [&](const std::string& host) {
+    const auto read = [&](const std::string& host, const std::string& field) {
         RawClient client(server.port());
-        client.send("GET /api/v1/dives HTTP/1.1\r\nHost: " + host + "\r\nOrigin: http://" + host +
-                    "\r\n\r\n");
+        client.send("GET /api/v1/dives HTTP/1.1\r\nHost: " + host + "\r\n" + field + "\r\n");
         return client.receive().value_or(RawResponse{}).status;
     };
-    EXPECT_EQ(read("evil.example"), 403);
-    EXPECT_EQ(read("evil.example:8080"), 403);
-    EXPECT_EQ(read("127.0.0.1.evil.example"), 403);
+    // A page of the same origin reads without an Origin; browsers send the other one always.
+    const std::string of_browsers = "Accept-Encoding: gzip\r\n";
+    EXPECT_EQ(read("evil.example", of_browsers), 403);
+    EXPECT_EQ(read("evil.example", "Origin: http://evil.example\r\n"), 403);
+    EXPECT_EQ(read("evil.example:8080", of_browsers), 403);
+    EXPECT_EQ(read("127.0.0.1.evil.example", of_browsers), 403);
     for (const char* own :
          {"127.0.0.1", "127.0.0.1:8080", "localhost:8080", "[::1]:8080", "lab.example"})
-        EXPECT_EQ(read(own), 200) << own;
+        EXPECT_EQ(read(own, of_browsers), 200) << own;
+    EXPECT_EQ(read("a", ""), 200) << "a program is not led by a page";
 }
 
 }  // namespace
