@@ -9,7 +9,7 @@
 
 namespace divemesh::cli {
 
-// What is sent to a server, and how.
+// Options of sending a dive to a server.
 struct SendOptions {
     std::filesystem::path dive;
     PresetOptions preset;

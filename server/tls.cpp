@@ -16,7 +16,7 @@ std::shared_ptr<ssl::context> load(const std::filesystem::path& certificate,
     auto context = std::make_shared<ssl::context>(ssl::context::tls_server);
     SSL_CTX_set_min_proto_version(context->native_handle(), TLS1_2_VERSION);
     SSL_CTX_set_options(context->native_handle(), SSL_OP_NO_RENEGOTIATION);
-    // Of TLS 1.2 only authenticated encryption with forward secrecy (RFC 9325, 4.2).
+    // Allows of TLS 1.2 only authenticated encryption with forward secrecy (RFC 9325, 4.2).
     SSL_CTX_set_cipher_list(context->native_handle(), "ECDHE+AESGCM:ECDHE+CHACHA20");
     boost::system::error_code failure;
     context->use_certificate_chain_file(certificate.string(), failure);
