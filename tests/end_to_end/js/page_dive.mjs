@@ -146,6 +146,29 @@ async function share_and_withdraw(page) {
   await dialog.getByRole("button", { name: "Close" }).click();
 }
 
+// Another reconstruction of the dive, without its surface, is put beside the first one: both values, and what differs.
+async function beside_another(page, dive, job) {
+  const body = { kind: "reconstruct", preset: "fast", options: { surface: false } };
+  const other = await api("POST", `/api/v1/dives/${dive.id}/jobs`, body);
+  for (let state = other.state; state !== "succeeded"; ) {
+    ({ state } = await api("GET", `/api/v1/jobs/${other.id}?wait=30`));
+    check(!["failed", "dead", "cancelled"].includes(state), `the second job is ${state}`);
+  }
+  await page.goto(`${address}/jobs/${job}?view=accuracy`);
+  const card = page.getByRole("region", { name: "Beside another result" });
+  await card.getByRole("combobox").selectOption(other.id);
+  const cells = async (name) =>
+    card.getByRole("row").filter({ has: page.getByRole("rowheader", { name, exact: true }) }).getByRole("cell").allTextContents();
+  await card.getByRole("rowheader", { name: "Length of the path" }).waitFor();
+  check(page.url().includes(`beside=${other.id}`), `the choice is not in the address: ${page.url()}`);
+  const area = JSON.parse(await artifact(job, "metrics.json")).mesh.area_m2;
+  const [here, there] = await cells("Area of the mesh");
+  check(Math.abs(Number.parseFloat(here) / area - 1) < 0.01 && there === "not measured", `area: ${here} beside ${there}`);
+  check((await cells("surface"))[1] === "false", `options: ${await cells("surface")}`);
+  await check_accessibility(page, "two results beside each other");
+  await screenshot(page, "beside");
+}
+
 await in_browser(async ({ page, context }) => {
   await page.getByRole("heading", { name: "No dives yet" }).waitFor();
   await check_accessibility(page, "the empty list of dives");
@@ -177,6 +200,7 @@ await in_browser(async ({ page, context }) => {
     await screenshot(page, tab.toLowerCase());
   }
   const [dive] = (await api("GET", "/api/v1/dives")).items;
+  await beside_another(page, dive, job);
   await page.goto(`${address}/dives`);
   await upload_folder(page, dive);
   await page.getByRole("link", { name: dive.name }).waitFor();

@@ -1,5 +1,5 @@
 import type { Units } from "../app/settings.svelte";
-import { length, percent, significant } from "../app/units";
+import { area_with_error, duration, length, percent, significant } from "../app/units";
 import { type Metrics, metric_at, number_at } from "../model/result_files";
 import { texts } from "../texts/en";
 
@@ -57,6 +57,51 @@ export function truth_rows(metrics: Metrics, units: Units): Row[] {
   return rows
     .filter(([, , value]) => value !== undefined)
     .map(([name, metric, value, words]) => ({ name, metric, value: words(value as number), bound: undefined }));
+}
+
+export interface BesideRow {
+  name: string;
+  metric: string;
+  here: string | undefined;
+  there: string | undefined;
+  times: number | undefined;
+}
+
+// Returns the figures of two results of one dive beside each other: those that at least one of them has. `times` is how
+// many times the other's value this one's is, where both are positive.
+export function beside_rows(here: Metrics, there: Metrics, units: Units): BesideRow[] {
+  const metres = (v: number): string => length(v, units);
+  const figures: [string, string, (value: number) => string][] = [
+    [t.path_length, "trajectory.path_length_m", metres],
+    [t.tracked, "frames.coverage", (v) => percent(v)],
+    [t.path_bound, "expected_accuracy.trajectory.ate.bound_m", metres],
+    [t.end_bound, "expected_accuracy.trajectory.end_position.bound_m", metres],
+    [t.surface, "expected_accuracy.surface.error_95_m", metres],
+    [t.scale, "calibration.scale_sigma", (v) => `± ${percent(1.96 * v, 2)}`],
+    [t.ate, "trajectory.final.ate_rmse_m", metres],
+    [t.rotation, "trajectory.final.rotation_rmse_deg", (v) => `${significant(v, 2)}°`],
+    [t.surface_accuracy, "surface.accuracy.median_m", metres],
+    [t.completeness, "surface.completeness.median_m", metres],
+    [t.false_share, "surface.false_share_50mm", (v) => percent(v, 2)],
+    [t.distances, "known_distances.rmse_m", metres],
+    [t.area, "mesh.area_m2", (v) => area_with_error(v, null, units)],
+    [t.time, "speed.wall_s", duration],
+  ];
+  return figures.flatMap(([name, metric, words]) => {
+    const values = [number_at(here, metric), number_at(there, metric)] as const;
+    if (values[0] === undefined && values[1] === undefined) return [];
+    const [a, b] = values.map((value) => (value === undefined ? undefined : words(value)));
+    const comparable = values[0] !== undefined && values[1] !== undefined && values[0] > 0 && values[1] > 0;
+    return [{ name, metric, here: a, there: b, times: comparable ? (values[0] as number) / (values[1] as number) : undefined }];
+  });
+}
+
+// Returns the options that two jobs differ in, with both values; undefined: not set.
+export function other_options(here: Record<string, unknown>, there: Record<string, unknown>): [string, unknown, unknown][] {
+  const names = [...new Set([...Object.keys(here), ...Object.keys(there)])].sort();
+  return names
+    .filter((name) => JSON.stringify(here[name]) !== JSON.stringify(there[name]))
+    .map((name) => [name, here[name], there[name]]);
 }
 
 // Returns every number of metrics.json with its path, for those who look for one.
