@@ -34,6 +34,7 @@ constexpr Row kRows[] = {
     {"adjustment_not_taken",        "path"},
     {"gyro_vision_mismatch",        "path"},
     {"stereo_mismatch",             "scale"},
+    {"rig_moved",                   "scale"},
     {"alignment_not_converged",     "scale"},
     {"calibration_medium",          "scale"},
     {"water_not_stated",            "scale"},

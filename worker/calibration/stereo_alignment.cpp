@@ -102,6 +102,11 @@ std::int32_t num_pairs(const types::StereoMatches& matches) {
     return static_cast<std::int32_t>(frames.size());
 }
 
+std::int32_t num_inliers(const EpipolarSolution& solution) {
+    return static_cast<std::int32_t>(
+        std::ranges::count_if(solution.weights, [](double weight) { return weight > 0.0; }));
+}
+
 bool rows_significant(const EpipolarSolution& solution) {
     return sigmas_off(solution, Change::kPitch) > kSignificant ||
            sigmas_off(solution, Change::kRoll) > kSignificant;
@@ -136,8 +141,7 @@ types::RigAlignment estimate_rig_alignment(const types::Rig& rig,
     EpipolarProblem::Held held{};
     held[Change::kYaw] = held[Change::kCentre] = true;
     const EpipolarSolution solution = solve_significant(problem, held);
-    result.num_inliers = static_cast<std::int32_t>(
-        std::ranges::count_if(solution.weights, [](double weight) { return weight > 0.0; }));
+    result.num_inliers = num_inliers(solution);
     result.change.values = solution.values.head<types::RigChange::kSize>();
     result.sigmas = solution.covariance.diagonal().head<types::RigChange::kSize>().cwiseSqrt();
     result.row_shift_px = row_shift_px(problem, solution);
@@ -147,6 +151,35 @@ types::RigAlignment estimate_rig_alignment(const types::Rig& rig,
         pair_error_px(agreeing, problem.errors_px(solution.values), solution.weights);
     result.outcome = judge(result, solution, rectified.focal_px);
     return result;
+}
+
+types::RigPart estimate_turn(const types::Rig& rig,
+                             const types::RectifiedRig& rectified,
+                             const types::StereoMatches& matches) {
+    types::RigPart part;
+    if (matches.size() < kMinMatches) return part;
+    const types::StereoMatches agreeing = agreeing_rows(rectified, matches);
+    if (agreeing.size() < kMinInliers) return part;
+    const EpipolarProblem problem(rig, rectified, agreeing);
+    EpipolarProblem::Held held{};
+    for (const int index : {Change::kYaw, Change::kCentre, Change::kDown, Change::kForward})
+        held[static_cast<std::size_t>(index)] = true;
+    const EpipolarSolution solution = solve_significant(problem, held);
+    part.found = !solution.outcome.failed() &&
+                 num_inliers(solution) >= kMinInlierShare * static_cast<double>(matches.size());
+    if (!part.found) return part;
+    part.values = solution.values.head<types::RigChange::kSize>();
+    part.sigmas = solution.covariance.diagonal().head<types::RigChange::kSize>().cwiseSqrt();
+    part.shift_px = row_shift_px(problem, solution);
+    return part;
+}
+
+void add_yaw(const types::Rig& rig, double yaw_rad, Change::Vector& change) {
+    const Eigen::Matrix3d R_cam1_rectified = camera::rectified_lenses(rig)[1].R_camera_rectified;
+    const Eigen::Quaterniond turned =
+        base::rotation_from_vector(change.head<3>()) *
+        base::rotation_from_vector(R_cam1_rectified * (yaw_rad * Eigen::Vector3d::UnitY()));
+    change.head<3>() = base::vector_from_rotation(turned);
 }
 
 RangeUnknowns expected_ranges() { return RangeUnknowns::Zero(); }
@@ -168,14 +201,7 @@ void add_ranges(const types::Rig& rig,
     if (std::abs(ranges.bias_px) < std::max(kMinBias_px, kSignificantBias * ranges.bias_sigma_px))
         return;
     Change::Vector& change = alignment.change.values;
-    const types::Rig aligned = changed_rig(rig, alignment.change);
-    const Eigen::Matrix3d R_cam1_rectified =
-        camera::rectified_lenses(aligned)[1].R_camera_rectified;
-    const Eigen::Quaterniond turned =
-        base::rotation_from_vector(change.head<3>()) *
-        base::rotation_from_vector(R_cam1_rectified *
-                                   (ranges.values[0] * Eigen::Vector3d::UnitY()));
-    change.head<3>() = base::vector_from_rotation(turned);
+    add_yaw(changed_rig(rig, alignment.change), ranges.values[0], change);
     const double recorded_by_rectified =
         rig.cam1.refractive_index * rig.cam1.fx_px / rectified.focal_px;
     change[Change::kCentre] = ranges.values[1] * recorded_by_rectified;

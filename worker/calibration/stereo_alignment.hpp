@@ -17,6 +17,17 @@ types::RigAlignment estimate_rig_alignment(const types::Rig& rig,
                                            const types::RectifiedRig& rectified,
                                            const types::StereoMatches& matches);
 
+// Returns the part of a dive whose matches these are, with the turn of the right camera against
+// `rig`: pitch, roll and focal length from rows, as above. A knock turns the camera; what it does
+// to the baseline is too small to be told.
+types::RigPart estimate_turn(const types::Rig& rig,
+                             const types::RectifiedRig& rectified,
+                             const types::StereoMatches& matches);
+
+// Adds to the change of a right camera a rotation about the row axis of the images that are
+// rectified with `rig`, in which the change is applied.
+void add_yaw(const types::Rig& rig, double yaw_rad, types::RigChange::Vector& change);
+
 // The expected values of what bends ranges, after careful calibrations, and their sigmas.
 RangeUnknowns expected_ranges();
 RangeUnknowns expected_range_sigmas();

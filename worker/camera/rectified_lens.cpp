@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <opencv2/imgproc.hpp>
 
+#include "worker/base/rotation_vector.hpp"
 #include "worker/camera/projection.hpp"
 
 namespace divemesh::camera {
@@ -50,6 +51,16 @@ std::array<RectifiedLens, 2> rectified_lenses(const types::Rig& rig) {
     const Eigen::Matrix3d R_cam0_rectified = rectified_axes(T_cam0_cam1);
     return {{{rig.cam0, R_cam0_rectified},
              {rig.cam1, T_cam0_cam1.linear().transpose() * R_cam0_rectified}}};
+}
+
+RectifiedLens turned_lens(const RectifiedLens& right, const types::CameraTurn& turn) {
+    RectifiedLens turned = right;
+    turned.R_camera_rectified =
+        base::rotation_from_vector(turn.rotation).toRotationMatrix().transpose() *
+        right.R_camera_rectified;
+    turned.camera.fx_px *= 1.0 + turn.focal;
+    turned.camera.fy_px *= 1.0 + turn.focal;
+    return turned;
 }
 
 types::Camera reduced_camera(const types::Camera& camera, int reduction) {

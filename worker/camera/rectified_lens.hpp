@@ -27,6 +27,9 @@ struct RectifiedLens {
 // the row axis is laid along the baseline (Bouguet).
 std::array<RectifiedLens, 2> rectified_lenses(const types::Rig& rig);  // left, right
 
+// Returns the lens of the right camera after a turn, in the same rectified images.
+RectifiedLens turned_lens(const RectifiedLens& right, const types::CameraTurn& turn);
+
 // Returns the camera of images at 1 / `reduction` of their size, squares of pixels averaged.
 types::Camera reduced_camera(const types::Camera& camera, int reduction);
 // Returns an image of that camera: averages squares of pixels; what is left over at the right and

@@ -128,6 +128,16 @@ Rectifier::Rectifier(const types::Rig& rig, const cv::Mat& fixed_pattern, int nu
       right_(rectified_lenses(rig)[1], rig_, num_threads),
       ranges_(range_table(rig, rig_, num_threads)) {
     if (!fixed_pattern.empty()) fixed_pattern_ = left_.rectify_mask(fixed_pattern);
+    for (const types::CameraTurn& turn : rig.right_turns)
+        turned_.push_back(
+            {turn.from_ns, {turned_lens(rectified_lenses(rig)[1], turn), rig_, num_threads}});
+}
+
+const ImageRectifier& Rectifier::right_at(std::int64_t timestamp_ns) const {
+    const ImageRectifier* right = &right_;
+    for (const Turned& turned : turned_)
+        if (timestamp_ns >= turned.from_ns) right = &turned.right;
+    return *right;
 }
 
 types::RectifiedFrame Rectifier::rectify(const types::StereoFrame& frame) const {
@@ -135,7 +145,7 @@ types::RectifiedFrame Rectifier::rectify(const types::StereoFrame& frame) const 
     result.index = frame.index;
     result.timestamp_ns = frame.timestamp_ns;
     result.left = left_.rectify(frame.left);
-    result.right = right_.rectify(frame.right);
+    result.right = right_at(frame.timestamp_ns).rectify(frame.right);
     result.fixed_pattern = fixed_pattern_;
     result.ranges = ranges_;
     result.right_delay_s = frame.right_delay_s;

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <opencv2/core/mat.hpp>
+#include <vector>
 
 #include "worker/camera/image_rectifier.hpp"
 #include "worker/types/keyframe.hpp"
@@ -23,7 +25,8 @@ ImageRectifier left_rectifier(const types::Recording& recording, int num_threads
 // The rectification of a pair: undistorts both images and rotates them into one plane (Bouguet's
 // method, as OpenCV's stereoRectify). The constructor throws as rectified_rig does, and works on
 // `num_threads` threads (0: all cores). Each frame gets `fixed_pattern`
-// (Recording::fixed_pattern()) as its rectified left image has it. Thread-safe after construction.
+// (Recording::fixed_pattern()) as its rectified left image has it. Right images taken after a turn
+// of the rig are rectified with it. Thread-safe after construction.
 class Rectifier {
 public:
     explicit Rectifier(const types::Rig& rig,
@@ -40,9 +43,16 @@ public:
     cv::Mat rectify_left(const cv::Mat& image) const { return left_.rectify(image); }
 
 private:
+    struct Turned {
+        std::int64_t from_ns = 0;
+        ImageRectifier right;
+    };
+    const ImageRectifier& right_at(std::int64_t timestamp_ns) const;
+
     types::RectifiedRig rig_;
     ImageRectifier left_;
     ImageRectifier right_;
+    std::vector<Turned> turned_;  // ascending
     cv::Mat fixed_pattern_;
     std::shared_ptr<const types::RangeTable> ranges_;
 };

@@ -23,6 +23,12 @@ constexpr std::size_t kMinMoments = 4;
 constexpr std::size_t kMinSamplesOfMoment = 15;
 constexpr double kMinRate_px_s = 2.0;  // below this the noise of tracking decides
 
+// A knock of the right camera between two moments: how far it moves their rows at least, and what
+// it leaves of the loss at most.
+constexpr double kMinKnock_px = 0.5;
+constexpr double kMaxLossRatio = 0.5;
+constexpr std::size_t kMinMomentsOfSide = 2;
+
 constexpr double kMinDelay_s = 0.002;
 constexpr double kSigmas = 5.0;
 // Rates are means over the time to the later image, not over the delay: relative, by rendered
@@ -189,6 +195,46 @@ double median_abs(const std::vector<EpipolarSample>& samples, const Get& get) {
     return stats::upper_median(std::move(values));
 }
 
+using Moments = std::vector<EpipolarMoment>;
+
+std::vector<EpipolarSample> samples_of(Moments::const_iterator begin, Moments::const_iterator end) {
+    std::vector<EpipolarSample> samples;
+    for (auto moment = begin; moment != end; ++moment)
+        samples.insert(samples.end(), moment->samples.begin(), moment->samples.end());
+    return samples;
+}
+
+double mean_loss_px2(const Moments& moments) {
+    const std::vector<EpipolarSample> samples = samples_of(moments.begin(), moments.end());
+    return mean_loss_px2(fit(samples).model, samples);
+}
+
+// Returns the moments as if the right camera had stayed where it was at the first of them, if
+// something knocked it in between: one delay and one misalignment would explain that by a delay.
+Moments without_knock(const Moments& moments) {
+    if (samples_of(moments.begin(), moments.end()).size() < 2 * kMinSamples) return moments;
+    Moments best = moments;
+    double best_px2 = kMaxLossRatio * mean_loss_px2(moments);
+    for (std::size_t k = kMinMomentsOfSide; k + kMinMomentsOfSide <= moments.size(); ++k) {
+        const auto knock = moments.begin() + static_cast<std::ptrdiff_t>(k);
+        const std::vector<EpipolarSample> before = samples_of(moments.begin(), knock);
+        const std::vector<EpipolarSample> after = samples_of(knock, moments.end());
+        if (std::min(before.size(), after.size()) < kMinSamples) continue;
+        Model change = fit(after).model - fit(before).model;
+        change[0] = 0.0;
+        if (misalignment_rms_px(change, after) < kMinKnock_px) continue;
+        Moments still = moments;
+        for (std::size_t i = k; i < still.size(); ++i)
+            for (auto* samples : {&still[i].samples, &still[i].without_rate})
+                for (EpipolarSample& s : *samples) s.error_px -= change.dot(regressor(s));
+        const double loss_px2 = mean_loss_px2(still);
+        if (loss_px2 >= best_px2) continue;
+        best_px2 = loss_px2;
+        best = std::move(still);
+    }
+    return best;
+}
+
 }  // namespace
 
 bool StereoDelay::is_significant() const {
@@ -202,14 +248,12 @@ std::vector<EpipolarMoment> without_gaps(std::vector<EpipolarMoment> moments,
     return moments;
 }
 
-StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments) {
+StereoDelay estimate_delay(const Moments& recorded) {
     StereoDelay result;
-    std::vector<EpipolarSample> samples;
+    const Moments moments = without_knock(recorded);
+    const std::vector<EpipolarSample> samples = samples_of(moments.begin(), moments.end());
     int num_corners = 0;
-    for (const EpipolarMoment& moment : moments) {
-        num_corners += moment.num_corners;
-        samples.insert(samples.end(), moment.samples.begin(), moment.samples.end());
-    }
+    for (const EpipolarMoment& moment : moments) num_corners += moment.num_corners;
     if (num_corners >= kMinCorners)
         result.share_fitting = share_fitting_alone(moments, num_corners);
     if (samples.size() < kMinSamples) return result;

@@ -36,8 +36,9 @@ struct StereoDelay {
 std::vector<EpipolarMoment> without_gaps(std::vector<EpipolarMoment> moments,
                                          const std::vector<double>& gaps_s);
 
-// Estimates the delay together with a constant misalignment of the pair (pitch, roll and vertical
-// scale, as the right camera sees them), robustly. Empty moments are ignored.
+// Estimates the delay together with the misalignment of the pair (pitch, roll and vertical scale,
+// as the right camera sees them), robustly: a constant one, unless another from some moment on fits
+// much better. Empty moments are ignored.
 StereoDelay estimate_delay(const std::vector<EpipolarMoment>& moments);
 
 }  // namespace divemesh::dive

@@ -8,28 +8,17 @@
 #include <vector>
 
 #include "schemas/error.hpp"
-#include "worker/base/parallel.hpp"
 #include "worker/calibration/stereo_alignment.hpp"
-#include "worker/camera/rectified_lens.hpp"
 #include "worker/camera/rectifier.hpp"
-#include "worker/camera/synchronise_pair.hpp"
 #include "worker/camera/virtual_camera.hpp"
-#include "worker/features/match_misaligned_stereo.hpp"
-#include "worker/pipeline/range_windows.hpp"
+#include "worker/pipeline/align_parts.hpp"
+#include "worker/pipeline/pair_matcher.hpp"
+#include "worker/pipeline/spread_ranges.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::pipeline {
 namespace {
 
-constexpr std::size_t kMaxPairs = 48;
-constexpr std::size_t kPairsAtOnce = 12;  // also the min of a longer dive
-constexpr std::size_t kMinMatches = 2000;
-constexpr std::size_t kWindowsAtOnce = 6;
-constexpr int kFramesPerWindow = 8;  // of the dive; more windows would read frames twice
-// Windows are added until the disparity bias is known this well; the second value is for a bias
-// that is not significant.
-constexpr double kMaxBiasSigma_px = 0.04;
-constexpr double kMaxUnbiasedSigma_px = 0.12;
 // What tells how far the survey is away: matches, and their disparities.
 constexpr std::size_t kMinSurveyed = 20;
 constexpr double kMinSurveyed_px = 2.0;
@@ -40,151 +29,47 @@ constexpr std::array<types::MediumChange, 4> kOtherMedia = {
 constexpr double kMinBias_rad = 0.003;  // of the disparities; a wrong medium: 0.0056 and more
 constexpr int kMinRanges = 100;
 constexpr double kMaxInliersLost = 0.02;  // share of the matches
+constexpr double kMinKnock_px = 0.7;
 // Shares of the errors. A right medium left 0.16 to 0.26 of both (product), a wrong one 0.55 and
 // more.
 constexpr double kMaxErrorRatio = 0.7;
 constexpr double kMaxErrorProduct = 0.4;
 
-// Returns i as a fraction with its binary digits reversed: any first few are spread evenly over
-// [0, 1) (van der Corput 1935).
-double radical_inverse(std::uint32_t i) {
-    double value = 0.0;
-    for (double digit = 0.5; i > 0; digit *= 0.5, i >>= 1U)
-        if (i & 1U) value += digit;
-    return value;
-}
+FrameSpan whole(const types::Recording& recording) { return {0, recording.num_frames()}; }
 
-// Returns frames spread over the dive, also if only the first few of them are read.
-std::vector<int> spread_frames(int num_frames) {
-    const auto num = std::min<std::size_t>(kMaxPairs, static_cast<std::size_t>(num_frames));
-    std::vector<int> frames;
-    for (std::uint32_t i = 0; frames.size() < num; ++i) {
-        const int frame = static_cast<int>(radical_inverse(i) * num_frames);
-        if (std::ranges::find(frames, frame) == frames.end()) frames.push_back(frame);
-    }
-    return frames;
-}
-
-// Matches pairs after rectification with one rig and returns them as rectified with `stated`.
-class PairMatcher {
-public:
-    PairMatcher(const types::Recording& recording,
-                const types::Rig& stated,
-                const types::Rig& rig,
-                int num_threads)
-        : recording_(recording),
-          rectifier_(rig, recording.fixed_pattern(), num_threads),
-          lenses_(camera::rectified_lenses(rig)),
-          stated_rectified_(camera::rectified_rig(stated, recording.fixed_pattern())),
-          stated_lenses_(camera::rectified_lenses(stated)) {}
-
-    types::StereoMatches matches(int frame_index) const {
-        const auto frame = recording_.frame(frame_index);
-        if (!frame) return {};
-        types::StereoMatches found = features::match_misaligned_stereo(camera::synchronise_pair(
-            rectifier_.rectify(*frame), exposure_motion_at(recording_, rectifier_, *frame)));
-        for (types::StereoMatch& match : found) {
-            match.left_px = as_stated(0, match.left_px);
-            match.right_px = as_stated(1, match.right_px);
-        }
-        return found;
-    }
-
-private:
-    Eigen::Vector2d as_stated(std::size_t side, const Eigen::Vector2d& pixel) const {
-        return stated_lenses_[side].rectified_px(
-            stated_rectified_, lenses_[side].recorded_px(rectifier_.rig(), pixel));
-    }
-
-    const types::Recording& recording_;
-    camera::Rectifier rectifier_;
-    std::array<camera::RectifiedLens, 2> lenses_;
-    types::RectifiedRig stated_rectified_;
-    std::array<camera::RectifiedLens, 2> stated_lenses_;
+// The relative pose that rows determine, and the matches that it is from, as rectified with the
+// stated rig.
+struct AlignedRows {
+    types::RigAlignment alignment;
+    types::StereoMatches matches;
 };
 
-types::StereoMatches spread_matches(const PairMatcher& matcher,
-                                    int num_frames,
-                                    int num_threads,
-                                    const base::ProgressCallback& progress) {
-    const std::vector<int> frames = spread_frames(num_frames);
-    types::StereoMatches all;
-    for (std::size_t begin = 0; begin < frames.size() && all.size() < kMinMatches;
-         begin += kPairsAtOnce) {
-        progress({});
-        std::vector<types::StereoMatches> found(std::min(kPairsAtOnce, frames.size() - begin));
-        base::for_each_index(num_threads, found.size(), [&](std::size_t i) {
-            found[i] = matcher.matches(frames[begin + i]);
-        });
-        for (const types::StereoMatches& matches : found)
-            all.insert(all.end(), matches.begin(), matches.end());
-    }
-    return all;
-}
-
-// Returns the relative pose that the rows of the matches determine.
-types::RigAlignment align_rows(const types::Recording& recording,
-                               const types::Rig& stated,
-                               int num_threads,
-                               const base::ProgressCallback& progress) {
+AlignedRows align_rows(const types::Recording& recording,
+                       const types::Rig& stated,
+                       const FrameSpan& span,
+                       int num_threads,
+                       const base::ProgressCallback& progress) {
     const types::RectifiedRig rectified = camera::rectified_rig(stated, recording.fixed_pattern());
     const auto estimate = [&](const types::Rig& rig) {
         const PairMatcher matcher(recording, stated, rig, num_threads);
-        return calibration::estimate_rig_alignment(
-            stated,
-            rectified,
-            spread_matches(matcher, recording.num_frames(), num_threads, progress));
+        types::StereoMatches matches = matcher.spread_matches(span, progress);
+        return AlignedRows{calibration::estimate_rig_alignment(stated, rectified, matches),
+                           std::move(matches)};
     };
-    types::RigAlignment first = estimate(stated);
-    if (first.outcome != types::RigAlignment::Outcome::Moved) return first;
-    return estimate(
-        calibration::changed_rig(stated, first.change));  // patches now fit in shape too
-}
-
-bool is_enough(const calibration::RangeSolution& ranges) {
-    if (ranges.num_windows == 0 || ranges.outcome.failed() || ranges.outcome.still_moving())
-        return false;
-    const bool unbiased = std::abs(ranges.bias_px) < 2.0 * ranges.bias_sigma_px;
-    return ranges.bias_sigma_px < (unbiased ? kMaxUnbiasedSigma_px : kMaxBiasSigma_px);
-}
-
-// Adds what ranges determine, from windows spread over the dive until they suffice, and returns it.
-calibration::RangeSolution align_ranges(const types::Recording& recording,
-                                        const types::Rig& stated,
-                                        int num_threads,
-                                        const base::ProgressCallback& progress,
-                                        types::RigAlignment& alignment) {
-    const camera::Rectifier rectifier(
-        calibration::changed_rig(stated, alignment.change), recording.fixed_pattern(), num_threads);
-    const std::vector<int> frames = spread_frames(recording.num_frames());
-    std::vector<calibration::RangeWindow> windows;
-    calibration::RangeSolution ranges;
-    const auto max_windows =
-        std::min(frames.size(),
-                 std::max(kWindowsAtOnce,
-                          static_cast<std::size_t>(recording.num_frames() / kFramesPerWindow)));
-    for (std::size_t begin = 0; begin < max_windows; begin += kWindowsAtOnce) {
-        progress({});
-        const auto end = std::min(begin + kWindowsAtOnce, frames.size());
-        const auto tracked = track_windows(recording,
-                                           rectifier,
-                                           {frames.begin() + static_cast<std::ptrdiff_t>(begin),
-                                            frames.begin() + static_cast<std::ptrdiff_t>(end)},
-                                           num_threads);
-        windows.insert(windows.end(), tracked.begin(), tracked.end());
-        ranges = calibration::solve_ranges(rectifier.rig(),
-                                           windows,
-                                           calibration::expected_ranges(),
-                                           calibration::expected_range_sigmas());
-        if (is_enough(ranges)) break;
-    }
-    calibration::add_ranges(stated, rectifier.rig(), ranges, alignment);
-    return ranges;
+    AlignedRows first = estimate(stated);
+    if (first.alignment.outcome != types::RigAlignment::Outcome::Moved) return first;
+    // Patches now fit in shape too.
+    return estimate(calibration::changed_rig(stated, first.alignment.change));
 }
 
 bool is_determined(const types::RigAlignment& alignment) {
     using Outcome = types::RigAlignment::Outcome;
     return alignment.outcome == Outcome::AsStated || alignment.outcome == Outcome::Moved;
+}
+
+// Returns whether the stated calibration is right but for what calibrations are off by.
+bool fits_nearly(const types::RigAlignment& alignment) {
+    return is_determined(alignment) && alignment.shift_px() < kMinKnock_px;
 }
 
 void clear_change(types::RigAlignment& alignment) {
@@ -195,7 +80,8 @@ void clear_change(types::RigAlignment& alignment) {
 // The alignment found if a rig is taken as the stated calibration, and how well it fits.
 struct Aligned {
     types::RigAlignment alignment;
-    int num_ranges = 0;  // inliers
+    types::StereoMatches matches;  // of pairs rectified with that rig
+    int num_ranges = 0;            // inliers
     double disparity_bias_rad = 0.0;
     double range_error_rad = 0.0;  // robust standard deviations
     double row_error_rad = 0.0;
@@ -209,16 +95,26 @@ struct Aligned {
 
 Aligned aligned(const types::Recording& recording,
                 const types::Rig& stated,
+                const FrameSpan& span,
                 int num_threads,
                 const base::ProgressCallback& progress) {
     using Outcome = types::RigAlignment::Outcome;
-    const types::RigAlignment rows = align_rows(recording, stated, num_threads, progress);
-    Aligned result{rows};
+    AlignedRows by_rows = align_rows(recording, stated, span, num_threads, progress);
+    const types::RigAlignment& rows = by_rows.alignment;
+    Aligned result{rows, std::move(by_rows.matches)};
     if (!is_determined(rows)) return result;
     types::RigAlignment& alignment = result.alignment;
     if (rows.outcome == Outcome::AsStated) clear_change(alignment);  // reported, never applied
     const calibration::RangeSolution ranges =
-        align_ranges(recording, stated, num_threads, progress, alignment);
+        solve_spread_ranges(recording,
+                            calibration::changed_rig(stated, alignment.change),
+                            span,
+                            calibration::expected_range_sigmas(),
+                            num_threads,
+                            progress);
+    const types::RectifiedRig aligned_rig = camera::rectified_rig(
+        calibration::changed_rig(stated, alignment.change), recording.fixed_pattern());
+    calibration::add_ranges(stated, aligned_rig, ranges, alignment);
     if (alignment.outcome == Outcome::AsStated) {
         alignment.change = rows.change;
         alignment.sigmas = rows.sigmas;
@@ -235,10 +131,11 @@ Aligned aligned(const types::Recording& recording,
 // Returns nullopt where such cameras cannot be rectified.
 std::optional<Aligned> aligned_if_possible(const types::Recording& recording,
                                            const types::Rig& rig,
+                                           const FrameSpan& span,
                                            int num_threads,
                                            const base::ProgressCallback& progress) {
     try {
-        return aligned(recording, rig, num_threads, progress);
+        return aligned(recording, rig, span, num_threads, progress);
     } catch (const Error& error) {
         if (error.code() != ErrorCode::BadData) throw;
         return std::nullopt;
@@ -264,12 +161,13 @@ bool fits_much_better(const Aligned& other, const Aligned& as_stated) {
 // Returns the cameras aligned in the medium that fits best, or as stated.
 Aligned in_best_medium(const types::Recording& recording,
                        const Aligned& as_stated,
+                       const FrameSpan& span,
                        int num_threads,
                        const base::ProgressCallback& progress) {
     Aligned best = as_stated;
     for (const types::MediumChange& medium : kOtherMedia) {
         const types::Rig rig = calibration::rig_in_medium(recording.rig(), medium);
-        auto other = aligned_if_possible(recording, rig, num_threads, progress);
+        auto other = aligned_if_possible(recording, rig, span, num_threads, progress);
         if (!other || !fits_much_better(*other, as_stated) ||
             (!best.alignment.change.medium.is_none() &&
              other->range_error_rad > best.range_error_rad))
@@ -291,12 +189,57 @@ double surveyed_depth_m(const types::Recording& recording,
     const types::RectifiedRig rectified = camera::rectified_rig(rig, recording.fixed_pattern());
     const PairMatcher matcher(recording, rig, rig, num_threads);
     std::vector<double> depths_m;
-    for (const types::StereoMatch& match :
-         spread_matches(matcher, recording.num_frames(), num_threads, progress)) {
+    for (const types::StereoMatch& match : matcher.spread_matches(whole(recording), progress)) {
         const double disparity_px = match.left_px.x() - match.right_px.x();
         if (disparity_px > kMinSurveyed_px) depths_m.push_back(rectified.depth_m(disparity_px));
     }
     return depths_m.size() < kMinSurveyed ? 0.0 : stats::median(std::move(depths_m));
+}
+
+// Returns the alignment in one medium, and how the right camera stood in each part of the dive if
+// something moved it.
+struct InParts {
+    Aligned reference;
+    std::vector<FrameSpan> spans;  // one: nothing moved it
+    FrameSpan span;                // that `reference` is of
+};
+
+InParts aligned_in_parts(const types::Recording& recording,
+                         const types::Rig& stated,
+                         int num_threads,
+                         const base::ProgressCallback& progress) {
+    const FrameSpan all = whole(recording);
+    InParts result{aligned(recording, stated, all, num_threads, progress), {all}, all};
+    std::vector<FrameSpan> spans =
+        still_spans(recording, stated, result.reference.matches, num_threads, progress);
+    if (spans.size() < 2) return result;
+    // Calibrations are made before a dive, so what knocks a camera comes after.
+    FrameSpan span = spans.front();
+    Aligned reference = aligned(recording, stated, span, num_threads, progress);
+    if (!fits_nearly(reference.alignment)) {
+        span = *std::ranges::max_element(spans, {}, &FrameSpan::num);
+        reference = aligned(recording, stated, span, num_threads, progress);
+    }
+    if (!is_determined(reference.alignment)) return result;
+    return {std::move(reference), std::move(spans), span};
+}
+
+types::RigAlignment with_parts(const types::Recording& recording,
+                               const types::Rig& stated,
+                               const InParts& found,
+                               types::RigAlignment alignment,
+                               int num_threads,
+                               const base::ProgressCallback& progress) {
+    if (found.spans.size() < 2) return alignment;
+    const bool moved = alignment.outcome == types::RigAlignment::Outcome::Moved;
+    alignment.parts =
+        align_parts(recording,
+                    moved ? calibration::changed_rig(stated, alignment.change) : stated,
+                    found.spans,
+                    found.span,
+                    num_threads,
+                    progress);
+    return alignment;
 }
 
 // Returns the alignment of cameras behind described ports, rectified for the depth that the survey
@@ -307,7 +250,9 @@ types::RigAlignment aligned_behind_ports(const types::Recording& recording,
     const double depth_m = surveyed_depth_m(recording, num_threads, progress);
     const types::Rig rig =
         depth_m > 0.0 ? camera::with_reference_depth(recording.rig(), depth_m) : recording.rig();
-    types::RigAlignment alignment = aligned(recording, rig, num_threads, progress).alignment;
+    const InParts found = aligned_in_parts(recording, rig, num_threads, progress);
+    types::RigAlignment alignment =
+        with_parts(recording, rig, found, found.reference.alignment, num_threads, progress);
     alignment.reference_depth_m = depth_m;
     return alignment;
 }
@@ -319,9 +264,12 @@ types::RigAlignment align_cameras(const types::Recording& recording,
                                   const base::ProgressCallback& progress) {
     if (camera::has_port(recording.rig()))
         return aligned_behind_ports(recording, num_threads, progress);
-    const Aligned as_stated = aligned(recording, recording.rig(), num_threads, progress);
-    if (!may_be_other_medium(as_stated)) return as_stated.alignment;
-    return in_best_medium(recording, as_stated, num_threads, progress).alignment;
+    const InParts found = aligned_in_parts(recording, recording.rig(), num_threads, progress);
+    const Aligned best =
+        may_be_other_medium(found.reference)
+            ? in_best_medium(recording, found.reference, found.span, num_threads, progress)
+            : found.reference;
+    return with_parts(recording, recording.rig(), found, best.alignment, num_threads, progress);
 }
 
 }  // namespace divemesh::pipeline

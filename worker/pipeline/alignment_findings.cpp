@@ -4,6 +4,7 @@
 #include <string>
 
 #include "worker/base/angle.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 
 namespace divemesh::pipeline {
@@ -13,7 +14,8 @@ constexpr double kMinShift_px = 0.7;  // findings begin here
 // Points found in both images of a pair, below which they show too little that is the same. Where
 // they belong together it is 20 to 130.
 constexpr double kMinMatchesPerPair = 6.0;
-constexpr int kMinPairs = 3;  // of fewer pairs no search says much
+constexpr double kMinFocal = 0.0005;  // change of the focal length in mid-dive that is told
+constexpr int kMinPairs = 3;          // of fewer pairs no search says much
 
 std::string degrees(double angle_rad) { return base::fixed(base::kDegPerRad * angle_rad, 2); }
 
@@ -74,6 +76,36 @@ Finding medium_finding(const types::MediumChange& medium) {
             "sensor.yaml, or calibrate the cameras in the medium in which they record."};
 }
 
+// Adds a warning for each time at which something moved the right camera.
+void add_parts(const types::RigAlignment& alignment, std::vector<Finding>& findings) {
+    for (std::size_t i = 1; i < alignment.parts.size(); ++i) {
+        const types::RigPart& before = alignment.parts[i - 1];
+        const types::RigPart& after = alignment.parts[i];
+        const types::RigChange::Vector change = after.values - before.values;
+        const double since_s = base::to_s(after.from_ns - alignment.parts[0].from_ns);
+        std::string what = "after " + base::fixed(since_s, 1) + " s (frame " +
+                           std::to_string(after.first_frame) +
+                           ") something moved the cameras against each other: ";
+        if (!before.found || !after.found)
+            what += "too few points are found in both images to tell how";
+        else
+            what += "the right one turned by " + degrees(change.head<3>().norm()) +
+                    " degrees (pitch " + degrees(change[0]) + ", yaw " + degrees(change[1]) +
+                    ", roll " + degrees(change[2]) + ")";
+        if (const double focal = change[types::RigChange::kFocal]; std::abs(focal) >= kMinFocal)
+            what += ", its focal length changed by " + base::fixed(100.0 * focal, 1) + " %";
+        findings.push_back(
+            {Severity::Warning,
+             "rig_moved",
+             "mav0/cam1/data",
+             what,
+             "The reconstruction corrects what it can tell of this unless align_cameras is off. "
+             "Fix "
+             "the cameras and their focus tightly, and calibrate the stereo pair again before the "
+             "next dive."});
+    }
+}
+
 Finding inconsistent_finding(const types::RigAlignment& alignment) {
     return {Severity::Warning,
             "stereo_inconsistent",
@@ -120,6 +152,7 @@ std::vector<Finding> alignment_findings(const types::RigAlignment& alignment) {
     add_solver(alignment.row_solver, "the rows of the images (pitch, roll, baseline)", findings);
     if (alignment.row_solver.num_failed > 0) return findings;
     add_solver(alignment.range_solver, "ranges of the scene (yaw, principal point)", findings);
+    add_parts(alignment, findings);
     if (alignment.outcome == Outcome::Inconsistent) {
         findings.push_back(inconsistent_finding(alignment));
         return findings;

@@ -12,6 +12,7 @@
 #include "schemas/verdict.hpp"
 #include "worker/base/angle.hpp"
 #include "worker/base/rotation_vector.hpp"
+#include "worker/base/seconds.hpp"
 #include "worker/base/text.hpp"
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/evaluation/scaled_uncertainty.hpp"
@@ -141,6 +142,38 @@ std::string_view to_string(types::RigAlignment::Outcome outcome) {
     return "";
 }
 
+// Returns what is known of the right camera's change; what the images do not tell is left out.
+json rig_change(const types::RigChange::Vector& values, const types::RigChange::Vector& sigmas) {
+    constexpr std::array<const char*, types::RigChange::kSize> kNames = {"pitch_deg",
+                                                                         "yaw_deg",
+                                                                         "roll_deg",
+                                                                         "baseline_down_deg",
+                                                                         "baseline_forward_deg",
+                                                                         "focal",
+                                                                         "centre_px"};
+    json result = json::object();
+    for (int i = 0; i < types::RigChange::kSize; ++i) {
+        if (sigmas[i] <= 0.0) continue;
+        const double unit = i < types::RigChange::kFocal ? base::kDegPerRad : 1.0;
+        result[kNames[static_cast<std::size_t>(i)]] = estimate(unit * values[i], unit * sigmas[i]);
+    }
+    return result;
+}
+
+json rig_parts(const std::vector<types::RigPart>& parts) {
+    json result = json::array();
+    for (const types::RigPart& part : parts) {
+        result.push_back({{"first_frame", part.first_frame},
+                          {"num_frames", part.num_frames},
+                          {"from_s", base::to_s(part.from_ns - parts[0].from_ns)},
+                          {"found", part.found}});
+        if (part.shift_px <= 0.0) continue;
+        result.back()["change"] = rig_change(part.values, part.sigmas);
+        result.back()["row_shift_px"] = part.shift_px;
+    }
+    return result;
+}
+
 // Returns the estimated position of the right camera. What the images do not tell is left out.
 json alignment(const types::RigAlignment& found) {
     json result = {{"outcome", to_string(found.outcome)},
@@ -149,19 +182,9 @@ json alignment(const types::RigAlignment& found) {
                    {"num_matches", found.num_matches},
                    {"num_inliers", found.num_inliers}};
     if (found.num_inliers == 0) return result;
-    constexpr std::array<const char*, types::RigChange::kSize> kNames = {"pitch_deg",
-                                                                         "yaw_deg",
-                                                                         "roll_deg",
-                                                                         "baseline_down_deg",
-                                                                         "baseline_forward_deg",
-                                                                         "focal",
-                                                                         "centre_px"};
-    for (int i = 0; i < types::RigChange::kSize; ++i) {
-        if (found.sigmas[i] <= 0.0) continue;
-        const double unit = i < types::RigChange::kFocal ? base::kDegPerRad : 1.0;
-        result["change"][kNames[static_cast<std::size_t>(i)]] =
-            estimate(unit * found.change.values[i], unit * found.sigmas[i]);
-    }
+    if (const json change = rig_change(found.change.values, found.sigmas); !change.empty())
+        result["change"] = change;
+    if (!found.parts.empty()) result["parts"] = rig_parts(found.parts);
     if (const types::MediumChange& medium = found.change.medium; !medium.is_none())
         result["medium"] = {{"focal_scale", medium.focal_scale},
                             {"refractive_index", medium.refractive_index}};

@@ -150,6 +150,16 @@ void fields(auto& file, Is<types::RefinedCalibration> auto& calibration) {
     file.flag(calibration.readout_time_applied);
 }
 
+void fields(auto& file, Is<types::RigPart> auto& part) {
+    file.plain(part.first_frame);
+    file.plain(part.num_frames);
+    file.plain(part.from_ns);
+    file.flag(part.found);
+    file.raw(part.values);
+    file.raw(part.sigmas);
+    file.plain(part.shift_px);
+}
+
 void fields(auto& file, Is<types::RigAlignment> auto& alignment) {
     file.plain(alignment.outcome);
     file.flag(alignment.applied);
@@ -169,6 +179,7 @@ void fields(auto& file, Is<types::RigAlignment> auto& alignment) {
                         &alignment.disparity_bias_sigma_px,
                         &alignment.reference_depth_m})
         file.plain(*value);
+    file.list(alignment.parts);
     file.plain(alignment.row_solver);
     file.plain(alignment.range_solver);
 }

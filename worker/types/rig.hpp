@@ -1,7 +1,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "worker/types/camera.hpp"
 
@@ -13,6 +15,13 @@ struct ImuNoise {
     double gyroscope_random_walk = 2e-5;        // rad/s^2/sqrt(Hz)
     double accelerometer_noise_density = 2e-2;  // m/s^2/sqrt(Hz)
     double accelerometer_random_walk = 3e-3;    // m/s^3/sqrt(Hz)
+};
+
+// The right camera from a time on, until that of the next one: something moved it in mid-dive.
+struct CameraTurn {
+    std::int64_t from_ns = 0;
+    Eigen::Vector3d rotation = Eigen::Vector3d::Zero();  // rotation vector about its own axes, rad
+    double focal = 0.0;                                  // change of its focal length, relative
 };
 
 // The calibrated cameras and IMU: the one internal calibration type. Frame `imu` is the body;
@@ -27,6 +36,7 @@ struct Rig {
     // the median speed of the rig, relative to the baseline: a delay that is not known acts like
     // another baseline where the rig moves along it.
     double right_delay_baseline_sigma = 0.0;
+    std::vector<CameraTurn> right_turns;  // against T_imu_cam1; ascending, most dives have none
 
     Eigen::Isometry3d T_cam1_cam0() const { return T_imu_cam1.inverse() * T_imu_cam0; }
     double baseline_m() const { return T_cam1_cam0().translation().norm(); }

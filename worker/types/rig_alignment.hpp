@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <vector>
 
 #include "worker/types/solver_outcome.hpp"
 
@@ -36,6 +37,19 @@ struct RigChange {
     MediumChange medium;  // `values` are of cameras that are changed by it
 };
 
+// A part of a dive in which the right camera stays where it is on the rig; something moved it
+// between the parts.
+struct RigPart {
+    std::int32_t first_frame = 0;
+    std::int32_t num_frames = 0;
+    std::int64_t from_ns = 0;  // timestamp of the first frame
+    bool found = false;        // the images of the part determine `values`
+    // Pitch, yaw, roll and focal length against the part whose camera RigAlignment describes.
+    RigChange::Vector values = RigChange::Vector::Zero();
+    RigChange::Vector sigmas = RigChange::Vector::Zero();  // 0: held
+    double shift_px = 0.0;  // RMS over the points, of what `values` do to their rows
+};
+
 // What the images of a dive determine of the right camera's pose.
 struct RigAlignment {
     enum class Outcome : std::uint8_t {
@@ -46,7 +60,7 @@ struct RigAlignment {
     };
 
     Outcome outcome = Outcome::Unknown;
-    bool applied = false;  // the dive is rectified with the change
+    bool applied = false;  // the dive is rectified with the change, if it is one, and the parts
     std::int32_t num_pairs = 0;
     std::int32_t num_matches = 0;
     std::int32_t num_inliers = 0;
@@ -60,6 +74,9 @@ struct RigAlignment {
     std::int32_t num_windows = 0;          // short tracks of features that were used
     double disparity_bias_px = 0.0;        // by which stated disparities are too large
     double disparity_bias_sigma_px = 0.0;  // 0: unknown
+    // Empty: nothing moved the camera in mid-dive. Otherwise two or more that follow each other,
+    // and all else is of one of them: the first, if the calibration nearly fits it, or the longest.
+    std::vector<RigPart> parts;
     // Median depth of what the pairs behind ports show; 0: unknown, or no ports.
     double reference_depth_m = 0.0;
     SolverTally row_solver;  // of the solve whose result this is, if any

@@ -78,6 +78,37 @@ TEST(RectifierTest, PutsAPointOnOneRowWithTheDisparityOfItsDepth) {
     }
 }
 
+TEST(RectifierTest, PutsAPointOnItsRowAfterTheRightCameraWasKnocked) {
+    const types::Rig before = converging_rig();
+    types::Rig after = before;
+    const Eigen::Vector3d rotation(0.006, -0.004, 0.008);
+    after.T_imu_cam1.rotate(base::rotation_from_vector(rotation));
+    after.cam1.fx_px *= 1.01;
+    after.cam1.fy_px *= 1.01;
+    types::Rig knocked = before;
+    knocked.right_turns = {{.from_ns = 100, .rotation = rotation, .focal = 0.01}, {.from_ns = 200}};
+    const Rectifier rectifier(knocked);
+    const types::RectifiedRig& ideal = rectifier.rig();
+    const Eigen::Vector3d p_cam(-0.4, 0.3, 1.6);
+    const Eigen::Vector3d p_imu = ideal.T_imu_cam * p_cam;
+    for (const auto& [time_ns, rig] : {std::pair<std::int64_t, const types::Rig*>(99, &before),
+                                       std::pair<std::int64_t, const types::Rig*>(100, &after),
+                                       std::pair<std::int64_t, const types::Rig*>(199, &after),
+                                       std::pair<std::int64_t, const types::Rig*>(200, &before)}) {
+        types::StereoFrame frame;
+        frame.timestamp_ns = time_ns;
+        frame.left = dot(rig->cam0, rig->T_imu_cam0.inverse() * p_imu);
+        frame.right = dot(rig->cam1, rig->T_imu_cam1.inverse() * p_imu);
+
+        const types::RectifiedFrame rectified = rectifier.rectify(frame);
+
+        const Eigen::Vector2d right = centre(rectified.right);
+        const Eigen::Vector2d left = ideal.pixel(p_cam);
+        EXPECT_NEAR(right.y(), left.y(), 0.1) << time_ns;
+        EXPECT_NEAR(left.x() - right.x(), ideal.disparity_px(p_cam.z()), 0.1) << time_ns;
+    }
+}
+
 // Returns an image as one loop over all pixels rectifies it.
 cv::Mat plainly_rectified(const cv::Mat& image,
                           const RectifiedLens& lens,

@@ -35,11 +35,14 @@ struct Truth {
     double roll_deg = 0.0;
     double delay_s = 0.0;
     std::array<double, 8> gaps_s = {};  // by which each moment's image is later still
+    double knock_deg = 0.0;             // that pitch and roll grow by at a moment
+    std::size_t knocked_at = 8;
 
-    Eigen::Matrix3d R_stated_true() const {
+    Eigen::Matrix3d R_stated_true(std::size_t moment) const {
         constexpr double kRadPerDeg = std::numbers::pi / 180.0;
-        return (Eigen::AngleAxisd(kRadPerDeg * pitch_deg, Eigen::Vector3d::UnitX()) *
-                Eigen::AngleAxisd(kRadPerDeg * roll_deg, Eigen::Vector3d::UnitZ()))
+        const double knock = moment < knocked_at ? 0.0 : knock_deg;
+        return (Eigen::AngleAxisd(kRadPerDeg * (pitch_deg + knock), Eigen::Vector3d::UnitX()) *
+                Eigen::AngleAxisd(kRadPerDeg * (roll_deg + knock), Eigen::Vector3d::UnitZ()))
             .toRotationMatrix();
     }
 };
@@ -70,7 +73,7 @@ std::vector<EpipolarMoment> driving(const Truth& truth) {
                 return Eigen::Vector3d(p - Eigen::Vector3d(0.0, 0.0, speed_m_s * time_s));
             };
             const Eigen::Vector3d p_right =
-                truth.R_stated_true().transpose() *
+                truth.R_stated_true(k).transpose() *
                 (ahead_by(right_later_s) - rig.T_imu_cam1.translation());
             cv::Point2f in_right = pixel(rig.cam1, p_right);
             in_right.y += static_cast<float>(noise_px(random));
@@ -127,6 +130,20 @@ TEST(StereoDelayTest, FindsTheDelayBeyondGapsThatVary) {
         EXPECT_NEAR(beyond.delay_s, delay_s, 0.25 * delay_s + 1.5e-3);
         EXPECT_LT(beyond.loss_px2, 0.5 * estimate_delay(moments).loss_px2) << delay_s;
     }
+}
+
+TEST(StereoDelayTest, ACameraThatIsKnockedInMidDiveIsNotLate) {
+    for (const double knock_deg : {-0.3, 0.1, 0.5})
+        for (const std::size_t knocked_at : {2U, 3U, 6U})
+            for (const double delay_s : {0.0, 0.015}) {
+                const StereoDelay delay = estimate_delay(driving({.pitch_deg = 0.2,
+                                                                  .delay_s = delay_s,
+                                                                  .knock_deg = knock_deg,
+                                                                  .knocked_at = knocked_at}));
+                EXPECT_EQ(delay.is_significant(), delay_s > 0.0);
+                EXPECT_NEAR(delay.delay_s, delay_s, 0.25 * delay_s + 1e-3)
+                    << knock_deg << " degrees at moment " << knocked_at;
+            }
 }
 
 // Returns what a camera sees that is too slow for features to be found in its next image.

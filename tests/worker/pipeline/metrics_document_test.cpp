@@ -4,6 +4,7 @@
 
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <valijson/adapters/nlohmann_json_adapter.hpp>
 #include <valijson/schema.hpp>
 #include <valijson/schema_parser.hpp>
@@ -142,6 +143,28 @@ TEST(MetricsDocument, FitsItsSchemaWithACalibrationInAnotherMedium) {
 
     EXPECT_TRUE(is_valid(document));
     EXPECT_EQ(document["calibration"]["alignment"]["medium"]["refractive_index"], 1.337);
+}
+
+TEST(MetricsDocument, FitsItsSchemaWithARightCameraThatMovedInMidDive) {
+    MetricsInput input = plain_dive();
+    input.alignment.outcome = types::RigAlignment::Outcome::AsStated;
+    input.alignment.num_inliers = 100;
+    types::RigPart part{.first_frame = 60, .num_frames = 90, .from_ns = 6'500'000'000};
+    part.found = true;
+    part.values[types::RigChange::kPitch] = std::numbers::pi / 360.0;
+    part.sigmas[types::RigChange::kPitch] = 1e-4;
+    part.shift_px = 2.5;
+    input.alignment.parts = {{.num_frames = 60, .from_ns = 500'000'000, .found = true}, part};
+
+    const json document = metrics_document(input);
+
+    EXPECT_TRUE(is_valid(document));
+    const json& parts = document["calibration"]["alignment"]["parts"];
+    ASSERT_EQ(parts.size(), 2U);
+    EXPECT_FALSE(parts[0].contains("change"));
+    EXPECT_EQ(parts[1]["from_s"], 6.0);
+    EXPECT_NEAR(parts[1]["change"]["pitch_deg"]["value"].get<double>(), 0.5, 1e-12);
+    EXPECT_FALSE(parts[1]["change"].contains("yaw_deg"));
 }
 
 TEST(MetricsDocument, FitsItsSchemaWithCamerasBehindPorts) {

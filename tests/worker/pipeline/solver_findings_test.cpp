@@ -70,6 +70,28 @@ TEST(AlignmentFindingsTest, ImagesThatDoNotBelongTogetherAreTold) {
     EXPECT_TRUE(alignment_findings(alignment).empty()) << "one pair says little";
 }
 
+TEST(AlignmentFindingsTest, EachKnockInMidDiveIsToldWithItsTime) {
+    types::RigAlignment alignment;
+    alignment.outcome = types::RigAlignment::Outcome::AsStated;
+    alignment.num_pairs = 48;
+    alignment.num_matches = 9000;
+    alignment.num_inliers = 8000;
+    types::RigPart turned{.first_frame = 60, .num_frames = 90, .from_ns = 7'000'000'000};
+    turned.found = true;
+    turned.values[types::RigChange::kPitch] = 0.01;
+    alignment.parts = {{.num_frames = 60, .from_ns = 1'000'000'000, .found = true},
+                       turned,
+                       {.first_frame = 150, .num_frames = 20, .from_ns = 16'000'000'000}};
+
+    const std::vector<Finding> findings = alignment_findings(alignment);
+
+    ASSERT_EQ(findings.size(), 2U);
+    EXPECT_EQ(findings[0].code, "rig_moved");
+    EXPECT_EQ(findings[0].message.find("after 6.0 s (frame 60) something moved"), 0U);
+    EXPECT_NE(findings[0].message.find("pitch 0.57"), std::string::npos);
+    EXPECT_NE(findings[1].message.find("too few points"), std::string::npos);
+}
+
 TEST(SolverFindingsTest, RowsThatAreOffAreToldEvenIfNothingIsCorrected) {
     types::RigAlignment alignment;
     alignment.outcome = types::RigAlignment::Outcome::AsStated;

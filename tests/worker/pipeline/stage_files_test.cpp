@@ -129,6 +129,12 @@ TEST(StageFiles, AnAlignmentSurvivesTheDisk) {
     written.reference_depth_m = 1.3;
     written.row_solver.num_converged = 1;
     written.range_solver.final_cost = 2.5;
+    types::RigPart part{.first_frame = 60, .num_frames = 90, .from_ns = 6'000'000'000};
+    part.found = true;
+    part.values[types::RigChange::kRoll] = 0.02;
+    part.sigmas[types::RigChange::kRoll] = 0.001;
+    part.shift_px = 2.5;
+    written.parts = {{.num_frames = 60}, part};
     save_rig_alignment(folder / "align.stage", "key", written);
     const auto read = load_rig_alignment(folder / "align.stage", "key");
 
@@ -144,6 +150,16 @@ TEST(StageFiles, AnAlignmentSurvivesTheDisk) {
     EXPECT_EQ(read->reference_depth_m, 1.3);
     EXPECT_EQ(read->row_solver.num_converged, 1);
     EXPECT_EQ(read->range_solver.final_cost, 2.5);
+    ASSERT_EQ(read->parts.size(), 2U);
+    EXPECT_EQ(read->parts[0].num_frames, 60);
+    EXPECT_FALSE(read->parts[0].found);
+    EXPECT_EQ(read->parts[1].first_frame, 60);
+    EXPECT_EQ(read->parts[1].num_frames, 90);
+    EXPECT_EQ(read->parts[1].from_ns, 6'000'000'000);
+    EXPECT_TRUE(read->parts[1].found);
+    EXPECT_EQ(read->parts[1].values, part.values);
+    EXPECT_EQ(read->parts[1].sigmas, part.sigmas);
+    EXPECT_EQ(read->parts[1].shift_px, 2.5);
 }
 
 TEST(StageFiles, MetricsOfTheTextureSurviveTheDisk) {

@@ -134,5 +134,53 @@ TEST_F(AlignCamerasTest, ACalibrationInAirBehindAFlatPortIsFoundAndTold) {
     EXPECT_LT(found.change.values.head<3>().norm(), 0.1 * kDeg);
 }
 
+// Makes the image of a camera that is turned about its own axes.
+cv::Mat turned_image(const cv::Mat& image,
+                     const types::Camera& camera,
+                     const Eigen::Vector3d& deg) {
+    const Eigen::Matrix3d R = base::rotation_from_vector(kDeg * deg).toRotationMatrix();
+    cv::Mat x(image.size(), CV_32F);
+    cv::Mat y(image.size(), CV_32F);
+    for (int v = 0; v < image.rows; ++v)
+        for (int u = 0; u < image.cols; ++u) {
+            const Eigen::Vector3d ray = R * camera::unproject(camera, Eigen::Vector2d(u, v));
+            const Eigen::Vector2d at =
+                camera::project(camera, ray).value_or(Eigen::Vector2d(-1.0, -1.0));
+            x.at<float>(v, u) = static_cast<float>(at.x());
+            y.at<float>(v, u) = static_cast<float>(at.y());
+        }
+    cv::Mat result;
+    cv::remap(image, result, x, y, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+    return result;
+}
+
+class KnockInMidDiveTest : public ShortTankDive {
+protected:
+    static void SetUpTestSuite() { render(1.2); }
+};
+
+TEST_F(KnockInMidDiveTest, IsFoundToTheFrameAndTold) {
+    const Eigen::Vector3d degrees(0.45, 0.0, -0.6);
+    const int knocked_at = 2 * dive_->num_frames() / 5;
+    synthetic::AlteredRecording altered(*dive_, [&](types::StereoFrame& frame) {
+        if (frame.index >= knocked_at)
+            frame.right = turned_image(frame.right, dive_->rig().cam1, degrees);
+    });
+
+    const types::RigAlignment found = align_cameras(altered, 0, base::ignore_progress);
+
+    ASSERT_EQ(found.parts.size(), 2U);
+    EXPECT_EQ(found.parts[1].first_frame, knocked_at);
+    EXPECT_EQ(found.parts[0].num_frames + found.parts[1].num_frames, dive_->num_frames());
+    ASSERT_TRUE(found.parts[0].found && found.parts[1].found);
+    const Eigen::Vector3d turn_deg =
+        (found.parts[1].values - found.parts[0].values).head<3>() / kDeg;
+    EXPECT_LT((turn_deg - degrees).norm(), 0.08) << turn_deg.transpose();
+    const std::vector<Finding> findings = alignment_findings(found);
+    ASSERT_FALSE(findings.empty());
+    EXPECT_EQ(findings[0].code, "rig_moved");
+    EXPECT_NE(findings[0].message.find("frame " + std::to_string(knocked_at)), std::string::npos);
+}
+
 }  // namespace
 }  // namespace divemesh::pipeline
