@@ -165,6 +165,7 @@ async function beside_another(page, dive, job) {
   const [here, there] = await cells("Area of the mesh");
   check(Math.abs(Number.parseFloat(here) / area - 1) < 0.01 && there === "not measured", `area: ${here} beside ${there}`);
   check((await cells("surface"))[1] === "false", `options: ${await cells("surface")}`);
+  await card.scrollIntoViewIfNeeded();
   await check_accessibility(page, "two results beside each other");
   await screenshot(page, "beside");
 }

@@ -1,5 +1,5 @@
 import type { Units } from "../app/settings.svelte";
-import { area_with_error, duration, length, percent, significant } from "../app/units";
+import { area_with_error, length, percent, significant } from "../app/units";
 import { type Metrics, metric_at, number_at } from "../model/result_files";
 import { texts } from "../texts/en";
 
@@ -71,12 +71,13 @@ export interface BesideRow {
 // many times the other's value this one's is, where both are positive.
 export function beside_rows(here: Metrics, there: Metrics, units: Units): BesideRow[] {
   const metres = (v: number): string => length(v, units);
+  const below = (v: number): string => `≤ ${length(v, units)}`;
   const figures: [string, string, (value: number) => string][] = [
     [t.path_length, "trajectory.path_length_m", metres],
     [t.tracked, "frames.coverage", (v) => percent(v)],
-    [t.path_bound, "expected_accuracy.trajectory.ate.bound_m", metres],
-    [t.end_bound, "expected_accuracy.trajectory.end_position.bound_m", metres],
-    [t.surface, "expected_accuracy.surface.error_95_m", metres],
+    [t.path_bound, "expected_accuracy.trajectory.ate.bound_m", below],
+    [t.end_bound, "expected_accuracy.trajectory.end_position.bound_m", below],
+    [t.surface, "expected_accuracy.surface.error_95_m", below],
     [t.scale, "calibration.scale_sigma", (v) => `± ${percent(1.96 * v, 2)}`],
     [t.ate, "trajectory.final.ate_rmse_m", metres],
     [t.rotation, "trajectory.final.rotation_rmse_deg", (v) => `${significant(v, 2)}°`],
@@ -85,7 +86,6 @@ export function beside_rows(here: Metrics, there: Metrics, units: Units): Beside
     [t.false_share, "surface.false_share_50mm", (v) => percent(v, 2)],
     [t.distances, "known_distances.rmse_m", metres],
     [t.area, "mesh.area_m2", (v) => area_with_error(v, null, units)],
-    [t.time, "speed.wall_s", duration],
   ];
   return figures.flatMap(([name, metric, words]) => {
     const values = [number_at(here, metric), number_at(there, metric)] as const;

@@ -403,7 +403,6 @@ export const texts = {
       distances: "Known distances (RMS)",
       tracked: "Frames with a measured pose",
       area: "Area of the mesh",
-      time: "Time to compute",
     },
     beside: {
       title: "Beside another result",
