@@ -72,6 +72,11 @@ void write_thumbnail(const std::filesystem::path& file, const std::string& jpeg)
     if (!stream) throw Error(ErrorCode::OutOfSpace, "cannot write " + file.string());
 }
 
+std::optional<DivePosition> position_of(const dive::IntakeReport& report) {
+    if (!report.position) return std::nullopt;
+    return DivePosition{report.position->latitude_deg, report.position->longitude_deg};
+}
+
 void run_intake(const AttemptRequest& request) {
     const auto report = pipeline::examine(request.dive, request.scratch, reporter());
     if (!report.thumbnail_jpeg.empty())
@@ -81,6 +86,8 @@ void run_intake(const AttemptRequest& request) {
                       .site = report.site,
                       .rig = report.rig,
                       .tags = report.tags,
+                      .notes = report.notes,
+                      .position = position_of(report),
                       .content_sha256 = report.content_sha256,
                       .num_frames = report.num_frames,
                       .duration_s = report.duration_s,

@@ -34,6 +34,8 @@ json message_body(const IntakeAnswer& answer) {
               {"site", answer.site},
               {"rig", answer.rig},
               {"tags", answer.tags},
+              {"notes", answer.notes},
+              {"position", answer.position ? json(*answer.position) : json()},
               {"content_sha256", answer.content_sha256.sha256},
               {"with_desktop_files", answer.content_sha256.with_desktop_files},
               {"num_frames", answer.num_frames},
@@ -48,6 +50,9 @@ IntakeAnswer intake_from_json(const json& body) {
     body.at("site").get_to(answer.site);
     body.at("rig").get_to(answer.rig);
     body.at("tags").get_to(answer.tags);
+    body.at("notes").get_to(answer.notes);
+    if (const json& position = body.at("position"); !position.is_null())
+        answer.position = position.get<DivePosition>();
     body.at("content_sha256").get_to(answer.content_sha256.sha256);
     body.at("with_desktop_files").get_to(answer.content_sha256.with_desktop_files);
     body.at("num_frames").get_to(answer.num_frames);

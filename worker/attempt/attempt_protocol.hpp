@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "schemas/content_hash.hpp"
+#include "schemas/dive.hpp"
 #include "schemas/finding.hpp"
 #include "schemas/job.hpp"
 #include "schemas/measurement.hpp"
@@ -45,6 +46,8 @@ struct IntakeAnswer {
     std::string site;
     std::string rig;
     std::vector<std::string> tags;
+    std::string notes;
+    std::optional<DivePosition> position;
     ContentHash content_sha256;
     std::int64_t num_frames = 0;
     double duration_s = 0.0;

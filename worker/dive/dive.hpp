@@ -35,6 +35,7 @@ struct DiveInfo {
     std::string site;
     std::string rig;
     std::vector<std::string> tags;
+    std::string notes;  // may have several lines
     std::optional<double> water_temperature_c;
     std::optional<double> water_salinity_psu;
     std::optional<types::GeographicPosition> position;  // of the body's first pose

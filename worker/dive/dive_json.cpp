@@ -14,6 +14,7 @@ namespace {
 using nlohmann::json;
 
 constexpr std::size_t kMaxTags = 64;
+constexpr std::size_t kMaxNotes_bytes = 9'900;  // with an ellipsis below the limit of an edit
 constexpr std::size_t kMaxImportFindings = 200;
 constexpr std::size_t kMaxCode_bytes = 64;
 constexpr std::size_t kMaxMessage_bytes = 1000;
@@ -47,6 +48,21 @@ std::optional<double> number_at(const json& object, const char* key) {
     if (found == object.end() || !found->is_number()) return std::nullopt;
     const double value = found->get<double>();
     return std::isfinite(value) ? std::optional(value) : std::nullopt;
+}
+
+// Returns `notes` line by line, each printable, up to a length.
+std::string notes_at(const json& object) {
+    const std::string text = text_at(object, "notes");
+    std::string notes;
+    for (std::size_t begin = 0; begin < text.size() && notes.size() < kMaxNotes_bytes;) {
+        const std::size_t end = std::min(text.find('\n', begin), text.size());
+        std::string_view line = std::string_view(text).substr(begin, end - begin);
+        if (line.ends_with('\r')) line.remove_suffix(1);
+        notes += printable(line, kMaxNotes_bytes - notes.size());
+        if (end < text.size()) notes += '\n';
+        begin = end + 1;
+    }
+    return notes;
 }
 
 // Reads `water` as an object, or the values at the top level.
@@ -170,6 +186,7 @@ DiveInfo parse_dive_info(std::string_view text, FindingLog& findings) {
     info.site = printable(text_at(object, "site"));
     info.rig = printable(text_at(object, "rig"));
     read_water(object, info);
+    info.notes = notes_at(object);
     info.position = position_at(object, findings);
     report_import(object, findings);
     const auto tags = object.find("tags");

@@ -19,6 +19,7 @@ constexpr double kFits = 0.5;
 // as a right one.
 constexpr double kFitsWell = 0.2;
 constexpr double kMaxAngle_deg = 20.0;
+constexpr double kClearlyWorse = 2.0;  // times the residual
 
 // Returns the median distance from the median.
 double spread(const std::vector<Eigen::Vector3d>& vectors) {
@@ -108,7 +109,11 @@ void report_hand_eye(const std::vector<RotationPair>& pairs,
                 base::fixed(100.0 * result.inverse_residual, 0) + " % with the inverse)",
             "Write the inverse of what is there: T_BS maps the sensor's coordinates to the body's "
             "(Kalibr's T_cam_imu is the inverse of T_BS).");
-    if (result.best_is_determined && result.best_residual < kFitsWell &&
+    // A stated rotation that fits as well as the best one is not refuted by being another: few of
+    // the motions, or a wrong one among them, may decide what the best one is.
+    const bool is_refuted = result.given_residual > kFitsWell &&
+                            result.given_residual > kClearlyWorse * result.best_residual;
+    if (is_refuted && result.best_is_determined && result.best_residual < kFitsWell &&
         result.best_angle_deg > kMaxAngle_deg)
         return findings.error("extrinsics_rotation",
                               "mav0/cam0/sensor.yaml",

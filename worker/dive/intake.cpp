@@ -42,6 +42,8 @@ void examine(StoredDive& dive,
     report.site = dive.info().site;
     report.rig = dive.info().rig;
     report.tags = dive.info().tags;
+    report.notes = dive.info().notes;
+    report.position = dive.info().position;
     report.num_frames = dive.num_frames();
     report.duration_s = dive.duration_s();
     dive.hash_contents(part(progress, 0.3, 0.1));

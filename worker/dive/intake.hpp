@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "schemas/finding.hpp"
 #include "schemas/links.hpp"
 #include "worker/base/observer.hpp"
+#include "worker/types/geographic_position.hpp"
 
 namespace divemesh::types {
 class Recording;
@@ -24,6 +26,8 @@ struct IntakeReport {
     std::string site;
     std::string rig;
     std::vector<std::string> tags;
+    std::string notes;
+    std::optional<types::GeographicPosition> position;
     ContentHash content_sha256;
     std::int64_t num_frames = 0;
     double duration_s = 0.0;

@@ -353,6 +353,8 @@ void AttemptRunner::publish_intake(const attempt::IntakeAnswer& answer,
                                  .site = answer.site,
                                  .rig = answer.rig,
                                  .tags = answer.tags,
+                                 .notes = answer.notes,
+                                 .position = answer.position,
                                  .content_sha256 = answer.content_sha256,
                                  .num_frames = answer.num_frames,
                                  .duration_s = answer.duration_s};

@@ -36,6 +36,21 @@ TEST(DiveJsonTest, TellsWhatWasFoundWhenTheDiveWasImported) {
     EXPECT_EQ(told[1].severity, Severity::Info);
 }
 
+TEST(DiveJsonTest, NotesKeepTheirLinesAndNothingThatMovesACursor) {
+    const auto notes_of = [](const json& notes) {
+        FindingLog findings;
+        return parse_dive_info(json{{"notes", notes}}.dump(), findings).notes;
+    };
+    EXPECT_EQ(notes_of("calm sea"), "calm sea");
+    EXPECT_EQ(notes_of("first\r\nsecond\n\nlast\n"), "first\nsecond\n\nlast\n");
+    EXPECT_EQ(notes_of("\x1b[31m red"), "\\x1b[31m red");
+    EXPECT_EQ(notes_of(7), "");
+    const std::string many = notes_of(std::string(50'000, 'x'));
+    EXPECT_GT(many.size(), 9'000U);
+    EXPECT_LE(many.size(), 10'000U);
+    EXPECT_LE(notes_of(std::string(50'000, '\n')).size(), 10'000U);
+}
+
 TEST(DiveJsonTest, AnImportedErrorDoesNotRefuseTheDive) {
     json error = finding("recording_cut");
     error["severity"] = "error";

@@ -64,6 +64,23 @@ TEST(HandEyeTest, AMountingOnAnotherAxisIsSaidWithItsAngle) {
                 HasFinding(Severity::Error, "extrinsics_rotation", "degrees"));
 }
 
+// A motion that images measured wrongly may turn the best fit far away; the stated mounting fits
+// all others.
+TEST(HandEyeTest, AWrongMotionAmongRightOnesRefutesNoMounting) {
+    int num_led_astray = 0;
+    for (std::size_t wrong = 0; wrong < 12; ++wrong) {
+        auto pairs = random_motion(kMounting);
+        pairs[wrong].vision_cam0 = Eigen::Vector3d(1.2, -1.0, 0.8);
+
+        const HandEye result = compare_rotations(pairs, kMounting);
+
+        if (result.best_is_determined && result.best_angle_deg > 20.0) ++num_led_astray;
+        EXPECT_LT(result.given_residual, 0.2) << wrong;
+        EXPECT_TRUE(findings_for(pairs, kMounting).empty()) << wrong;
+    }
+    EXPECT_GT(num_led_astray, 3);
+}
+
 TEST(HandEyeTest, AGyroInDegreesIsSaid) {
     auto pairs = random_motion(kMounting);
     for (RotationPair& pair : pairs) pair.gyro_imu *= 180.0 / M_PI;
