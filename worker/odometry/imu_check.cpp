@@ -3,10 +3,13 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/odometry/refine_pose.hpp"
+#include "worker/stats/median.hpp"
 #include "worker/stats/ratio.hpp"
 
 namespace divemesh::odometry {
@@ -22,6 +25,7 @@ constexpr double kMaxAxesError_rad = 0.1;  // until the alignment with the camer
 constexpr double kMaxVelocityError_m_s = 0.1;
 constexpr double kNoiseSigmas = 3.0;  // of the velocity after a second of the IMU alone
 constexpr double kMaxForceError_m_s2 = 0.5;
+constexpr double kMaxShift_px = 3.0;
 constexpr std::int64_t kSum_ns = 500'000'000;
 
 bool has_a_say(const Registration& vision) {
@@ -30,6 +34,19 @@ bool has_a_say(const Registration& vision) {
 }
 
 }  // namespace
+
+bool is_elsewhere(const types::RectifiedRig& rig,
+                  const Registration& vision,
+                  const Eigen::Isometry3d& T_current_previous) {
+    if (vision.inliers.empty()) return false;
+    std::vector<double> shifts_px;
+    for (const PointPair& pair : vision.inliers) {
+        const Eigen::Vector3d expected =
+            types::project_px(rig, T_current_previous * pair.p_previous);
+        shifts_px.push_back((expected - pair.current_px).head<2>().norm());
+    }
+    return stats::upper_median(std::move(shifts_px)) > kMaxShift_px;
+}
 
 bool ImuCheck::contradicts(const Registration& vision,
                            const types::KnownRotation& q_current_previous,

@@ -13,6 +13,13 @@
 
 namespace divemesh::odometry {
 
+// Returns true if a predicted motion puts the features that vision followed elsewhere in the image
+// than they are: the median inlier by more than 3 px. A prediction that is nearer did not mislead
+// the search for features.
+bool is_elsewhere(const types::RectifiedRig& rig,
+                  const Registration& vision,
+                  const Eigen::Isometry3d& T_current_previous);
+
 // A check of the IMU against vision from frame to frame. It acts before a wrong sensor bends the
 // path or loses the scene; imu::SensorWatch judges over seconds. Vision has a say where most pairs
 // agree. Its limits allow for noise, clocks and axes that are not estimated yet.

@@ -32,7 +32,7 @@ struct Observed {
     odometry::PointPairs measured;  // by their depth at both times
     odometry::PointPairs pairs;     // by landmarks where there are
     odometry::Registration vision;
-    bool against_imu = false;  // the scene was followed by a steady motion, not by the IMU's
+    bool against_imu = false;  // a steady motion followed the scene, elsewhere than the IMU said
     bool predicted = true;     // the features were found where the motion model predicted them
     bool recognised = false;   // a keyframe tells the pose, nothing the motion from the last frame
 };

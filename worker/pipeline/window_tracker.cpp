@@ -23,6 +23,16 @@ namespace {
 // A rig that hardly moves looks for new features at once if it has fewer.
 constexpr std::size_t kMinFeaturesAtRest = 60;
 
+// Returns what the IMU says of the motion that vision found: all of it from a known velocity on, or
+// else its rotation.
+Eigen::Isometry3d motion_by_imu(const PredictedMotion& prediction,
+                                const Eigen::Isometry3d& T_by_vision) {
+    if (prediction.imu_alone_s || !prediction.rotation) return prediction.T_current_previous;
+    Eigen::Isometry3d T_current_previous = T_by_vision;
+    T_current_previous.linear() = prediction.rotation->q.toRotationMatrix();
+    return T_current_previous;
+}
+
 }  // namespace
 
 WindowTracker::WindowTracker(const types::RectifiedRig& rig,
@@ -134,7 +144,8 @@ std::optional<Observed> WindowTracker::observe_without_imu(const types::Rectifie
         state_, frame, state_.tracker.track_again(previous, steady.T_current_previous), steady);
     if (odometry::well_supported(
             state_.rig, seen.vision, odometry::num_with_depth(state_.features), std::nullopt)) {
-        seen.against_imu = true;
+        seen.against_imu = odometry::is_elsewhere(
+            state_.rig, seen.vision, motion_by_imu(prediction, seen.vision.T_current_previous));
         return seen;
     }
     state_.dynamic_features = dynamic_features;

@@ -67,6 +67,21 @@ TEST(ImuCheckTest, FewPairsHaveNoSay) {
     EXPECT_FALSE(check.contradicts(vision, by_gyroscope(0, 0.05), time_of(0)));
 }
 
+TEST(ImuCheckTest, OnlyAPredictionOfOtherPlacesMisledTheSearch) {
+    const Registration vision = seen(0);
+    const auto turned_by = [](double angle_rad) {
+        return Eigen::Isometry3d(base::rotation_from_vector({0.0, angle_rad, 0.0}) *
+                                 true_motion(0));
+    };
+    EXPECT_FALSE(is_elsewhere(synthetic::rig(), vision, true_motion(0)));
+    EXPECT_FALSE(is_elsewhere(synthetic::rig(), vision, turned_by(0.002)));
+    EXPECT_TRUE(is_elsewhere(synthetic::rig(), vision, turned_by(0.05)));
+    Eigen::Isometry3d T_beside = true_motion(0);
+    T_beside.translation().x() += 0.2;
+    EXPECT_TRUE(is_elsewhere(synthetic::rig(), vision, T_beside));
+    EXPECT_FALSE(is_elsewhere(synthetic::rig(), Registration{}, turned_by(0.05)));
+}
+
 TEST(ImuCheckTest, AForceThatDoublesContradicts) {
     const ImuCheck check(synthetic::rig(), {});
     const auto moved = [](double error_m) {
