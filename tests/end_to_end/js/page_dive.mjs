@@ -170,6 +170,28 @@ async function beside_another(page, dive, job) {
   await screenshot(page, "beside");
 }
 
+// What the recording says of itself is shown, and a dive with a position is on the map.
+async function on_the_map(page, dive) {
+  const { notes } = JSON.parse(readFileSync(join(dive_folder, "dive.json"), "utf8"));
+  check(notes && dive.notes === notes, `notes: "${dive.notes}" on the server, "${notes}" in the recording`);
+  await page.goto(`${address}/dives`);
+  check((await page.getByRole("button", { name: "Map" }).count()) === 0, "a map of no positions is offered");
+  const response = await fetch(`${address}/api/v1/dives/${dive.id}`, {
+    method: "PATCH",
+    headers: { Authorization: `Bearer ${token}`, "Content-Type": "application/merge-patch+json", "If-Match": "*" },
+    body: JSON.stringify({ position: { latitude_deg: 54.3221, longitude_deg: -10.12 } }),
+  });
+  check(response.ok, `PATCH: ${response.status}`);
+  await page.getByRole("button", { name: "Map" }).click();
+  await page.getByRole("region", { name: "Map" }).getByRole("button", { name: dive.name }).click();
+  await page.getByText("54.32210° N, 10.12000° W").waitFor();
+  await check_accessibility(page, "the map of dives");
+  await screenshot(page, "map");
+  await page.getByRole("region", { name: "Map" }).getByRole("link", { name: dive.name }).click();
+  await page.getByText(notes).waitFor();
+  await screenshot(page, "facts");
+}
+
 await in_browser(async ({ page, context }) => {
   await page.getByRole("heading", { name: "No dives yet" }).waitFor();
   await check_accessibility(page, "the empty list of dives");
@@ -206,4 +228,5 @@ await in_browser(async ({ page, context }) => {
   await upload_folder(page, dive);
   await page.getByRole("link", { name: dive.name }).waitFor();
   await check_accessibility(page, "the list of dives");
+  await on_the_map(page, dive);
 });
