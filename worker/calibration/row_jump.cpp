@@ -100,7 +100,7 @@ struct Sides {
     std::size_t split = 0;  // the first of `pairs` that lies after
     std::array<Model, 2> models;
     double cost = 0.0;
-    double cost_as_one = 0.0;  // if they do not differ
+    double cost_as_one = 0.0;  // with the same rows on both sides
 
     const Model& model_of(std::size_t pair) const { return models[pair < split ? 0 : 1]; }
     double gain() const { return cost_as_one - cost; }

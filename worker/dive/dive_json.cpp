@@ -50,17 +50,17 @@ std::optional<double> number_at(const json& object, const char* key) {
     return std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
-// Returns `notes` line by line, each printable, up to a length.
+// Returns `notes` with its lines, each printable, up to a length.
 std::string notes_at(const json& object) {
-    const std::string text = text_at(object, "notes");
+    std::string text = text_at(object, "notes");
+    std::ranges::replace(text, '\t', ' ');
     std::string notes;
     for (std::size_t begin = 0; begin < text.size() && notes.size() < kMaxNotes_bytes;) {
-        const std::size_t end = std::min(text.find('\n', begin), text.size());
-        std::string_view line = std::string_view(text).substr(begin, end - begin);
-        if (line.ends_with('\r')) line.remove_suffix(1);
-        notes += printable(line, kMaxNotes_bytes - notes.size());
+        const std::size_t end = std::min(text.find_first_of("\r\n", begin), text.size());
+        notes += printable(std::string_view(text).substr(begin, end - begin),
+                           kMaxNotes_bytes - notes.size());
         if (end < text.size()) notes += '\n';
-        begin = end + 1;
+        begin = end + (text.compare(end, 2, "\r\n") == 0 ? 2 : 1);
     }
     return notes;
 }

@@ -121,7 +121,9 @@ void report_hand_eye(const std::vector<RotationPair>& pairs,
                                   base::fixed(result.best_angle_deg, 0) +
                                   " degrees relative to the IMU: " + seen + ")",
                               "Calibrate cameras and IMU together, and check the axes of the IMU.");
-    if (result.given_residual < kFits) return;
+    const bool is_doubtful = result.given_residual > kFitsWell && result.best_is_determined &&
+                             result.best_angle_deg > kMaxAngle_deg;
+    if (result.given_residual < kFits && !is_doubtful) return;
     findings.warning("gyro_vision_mismatch",
                      "mav0/imu0/data.csv",
                      seen + ")",

@@ -8,6 +8,7 @@
 #include "worker/base/nearest_to_rays.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/camera/projection.hpp"
+#include "worker/camera/right_camera_at.hpp"
 #include "worker/evaluation/scaled_uncertainty.hpp"
 #include "worker/evaluation/trajectory_pairs.hpp"
 #include "worker/optimisation/covariance_between.hpp"
@@ -26,7 +27,7 @@ constexpr double kMaxLastStep_px = 0.01;
 
 // A pixel, the camera that saw it, and the camera's pose.
 struct View {
-    const types::Camera& camera;
+    types::Camera camera;
     Eigen::Isometry3d T_world_cam;
     Eigen::Vector2d pixel;
 };
@@ -67,8 +68,9 @@ std::vector<View> views_of(const std::vector<dive::Mark>& marks,
         ++num_keyframes;
         views.push_back({rig.cam0, *T_world_imu * rig.T_imu_cam0, mark.pixel_left});
         if (!mark.pixel_right) continue;
-        if (const auto right = pose_at_row(rig.cam1, *mark.pixel_right))
-            views.push_back({rig.cam1, *right * rig.T_imu_cam1, *mark.pixel_right});
+        const auto cam1 = camera::right_camera_at(rig, mark.timestamp_ns);
+        if (const auto right = pose_at_row(cam1.camera, *mark.pixel_right))
+            views.push_back({cam1.camera, *right * cam1.T_imu_cam, *mark.pixel_right});
     }
     if (num_keyframes < min_keyframes) views.clear();
     return views;
@@ -282,13 +284,14 @@ std::vector<dive::Mark> mark_point(const Eigen::Vector3d& p_world, const Marking
         const auto T_world_imu = pose_at(input.ground_truth, timestamp_ns);
         if (!T_world_imu) continue;
         const Eigen::Isometry3d T_world_cam0 = *T_world_imu * input.rig.T_imu_cam0;
-        const Eigen::Isometry3d T_world_cam1 = *T_world_imu * input.rig.T_imu_cam1;
+        const auto cam1 = camera::right_camera_at(input.rig, timestamp_ns);
+        const Eigen::Isometry3d T_world_cam1 = *T_world_imu * cam1.T_imu_cam;
         const Eigen::Vector3d p_cam0 = T_world_cam0.inverse() * p_world;
         const auto left = project_inside(input.rig.cam0, p_cam0);
         if (!left || p_cam0.norm() > input.max_range_m ||
             is_hidden(T_world_cam0.translation(), p_world, input))
             continue;
-        auto right = project_inside(input.rig.cam1, T_world_cam1.inverse() * p_world);
+        auto right = project_inside(cam1.camera, T_world_cam1.inverse() * p_world);
         if (is_hidden(T_world_cam1.translation(), p_world, input)) right.reset();
         marks.push_back({timestamp_ns, *left, right});
     }

@@ -196,8 +196,7 @@ double surveyed_depth_m(const types::Recording& recording,
     return depths_m.size() < kMinSurveyed ? 0.0 : stats::median(std::move(depths_m));
 }
 
-// Returns the alignment in one medium, and how the right camera stood in each part of the dive if
-// something moved it.
+// The alignment of the part of a dive that the others are compared with, and all parts.
 struct InParts {
     Aligned reference;
     std::vector<FrameSpan> spans;  // one: nothing moved it
@@ -216,8 +215,9 @@ InParts aligned_in_parts(const types::Recording& recording,
     // Calibrations are made before a dive, so what knocks a camera comes after.
     FrameSpan span = spans.front();
     Aligned reference = aligned(recording, stated, span, num_threads, progress);
-    if (!fits_nearly(reference.alignment)) {
-        span = *std::ranges::max_element(spans, {}, &FrameSpan::num);
+    const FrameSpan longest = *std::ranges::max_element(spans, {}, &FrameSpan::num);
+    if (!fits_nearly(reference.alignment) && longest.first != span.first) {
+        span = longest;
         reference = aligned(recording, stated, span, num_threads, progress);
     }
     if (!is_determined(reference.alignment)) return result;

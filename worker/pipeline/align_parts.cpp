@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 #include "worker/calibration/row_jump.hpp"
@@ -20,12 +21,13 @@ constexpr double kNoSigma = 1e-6;
 constexpr double kMinShift_px = 0.3;
 constexpr double kSignificant = 3.0;
 
-// Returns the side of a jump on which a frame near this one lies; nullopt if they show too little.
+// A frame, and whether it lies before a jump.
 struct Sided {
     int frame = 0;
     bool before = false;
 };
 
+// Returns the frame, or one of the next, with its side of a jump; nullopt if they show too little.
 std::optional<Sided> side_of(const PairMatcher& matcher,
                              const calibration::RowJump& jump,
                              int frame,
@@ -64,11 +66,12 @@ void split(const PairMatcher& matcher,
     const int middle = first_after(matcher, *jump);
     const FrameSpan before{span.first, middle - span.first};
     const FrameSpan after{middle, span.first + span.num - middle};
-    types::StereoMatches sides[2];
+    types::StereoMatches matches_before;
+    types::StereoMatches matches_after;
     for (const types::StereoMatch& match : matches)
-        sides[match.frame_index < middle ? 0 : 1].push_back(match);
-    split(matcher, rectified, sides[0], before, progress, found);
-    split(matcher, rectified, sides[1], after, progress, found);
+        (match.frame_index < middle ? matches_before : matches_after).push_back(match);
+    split(matcher, rectified, matches_before, before, progress, found);
+    split(matcher, rectified, matches_after, after, progress, found);
 }
 
 // Yaw of the right camera, and nothing else, as ranges of a span tell it.
@@ -112,14 +115,22 @@ types::RigPart align_part(const types::Recording& recording,
         return calibration::estimate_turn(rig, rectified, matcher.spread_matches(span, progress));
     };
     types::RigPart part = estimate(rig);
-    if (part.found) part = estimate(turned(part));  // patches now fit in shape too
-    if (part.found)
-        add_yaw(turned(part),
-                rectified,
-                in_reference,
-                yaw_of(recording, turned(part), span, num_threads, progress),
-                part);
+    if (!part.found) return part;
+    // Patches now fit in shape too.
+    if (const types::RigPart again = estimate(turned(part)); again.found) part = again;
+    add_yaw(turned(part),
+            rectified,
+            in_reference,
+            yaw_of(recording, turned(part), span, num_threads, progress),
+            part);
     return part;
+}
+
+// Returns the time of the first frame that can be read; 0 if none can.
+std::int64_t begin_of(const types::Recording& recording, const FrameSpan& span) {
+    for (int frame = span.first; frame < span.first + span.num; ++frame)
+        if (const auto recorded = recording.frame(frame)) return recorded->timestamp_ns;
+    return 0;
 }
 
 }  // namespace
@@ -155,7 +166,7 @@ std::vector<types::RigPart> align_parts(const types::Recording& recording,
             part = align_part(recording, rig, span, in_reference, num_threads, progress);
         part.first_frame = span.first;
         part.num_frames = span.num;
-        if (const auto frame = recording.frame(span.first)) part.from_ns = frame->timestamp_ns;
+        part.from_ns = begin_of(recording, span);
         parts.push_back(part);
     }
     return parts;

@@ -76,33 +76,36 @@ Finding medium_finding(const types::MediumChange& medium) {
             "sensor.yaml, or calibrate the cameras in the medium in which they record."};
 }
 
+// Returns how the right camera stands in a part against the part before it, as far as it is known.
+std::string moved_by(const types::RigPart& before, const types::RigPart& after) {
+    if (!before.found || !after.found) return "too few points are found in both images to tell how";
+    const types::RigChange::Vector change = after.values - before.values;
+    const bool has_yaw =
+        before.sigmas[types::RigChange::kYaw] > 0.0 || after.sigmas[types::RigChange::kYaw] > 0.0;
+    std::string text = "the right one turned by " + degrees(change.head<3>().norm()) +
+                       " degrees (pitch " + degrees(change[0]) +
+                       (has_yaw ? ", yaw " + degrees(change[1]) : "") + ", roll " +
+                       degrees(change[2]) + ")";
+    if (const double focal = change[types::RigChange::kFocal]; std::abs(focal) >= kMinFocal)
+        text += ", its focal length changed by " + base::fixed(100.0 * focal, 1) + " %";
+    return text;
+}
+
 // Adds a warning for each time at which something moved the right camera.
-void add_parts(const types::RigAlignment& alignment, std::vector<Finding>& findings) {
-    for (std::size_t i = 1; i < alignment.parts.size(); ++i) {
-        const types::RigPart& before = alignment.parts[i - 1];
-        const types::RigPart& after = alignment.parts[i];
-        const types::RigChange::Vector change = after.values - before.values;
-        const double since_s = base::to_s(after.from_ns - alignment.parts[0].from_ns);
-        std::string what = "after " + base::fixed(since_s, 1) + " s (frame " +
-                           std::to_string(after.first_frame) +
-                           ") something moved the cameras against each other: ";
-        if (!before.found || !after.found)
-            what += "too few points are found in both images to tell how";
-        else
-            what += "the right one turned by " + degrees(change.head<3>().norm()) +
-                    " degrees (pitch " + degrees(change[0]) + ", yaw " + degrees(change[1]) +
-                    ", roll " + degrees(change[2]) + ")";
-        if (const double focal = change[types::RigChange::kFocal]; std::abs(focal) >= kMinFocal)
-            what += ", its focal length changed by " + base::fixed(100.0 * focal, 1) + " %";
+void add_parts(const std::vector<types::RigPart>& parts, std::vector<Finding>& findings) {
+    for (std::size_t i = 1; i < parts.size(); ++i) {
+        const double since_s = base::to_s(parts[i].from_ns - parts[0].from_ns);
         findings.push_back(
             {Severity::Warning,
              "rig_moved",
              "mav0/cam1/data",
-             what,
+             "after " + base::fixed(since_s, 1) + " s (frame " +
+                 std::to_string(parts[i].first_frame) +
+                 ") something moved the cameras against each other: " +
+                 moved_by(parts[i - 1], parts[i]),
              "The reconstruction corrects what it can tell of this unless align_cameras is off. "
-             "Fix "
-             "the cameras and their focus tightly, and calibrate the stereo pair again before the "
-             "next dive."});
+             "Fix the cameras and their focus tightly, and calibrate the stereo pair again before "
+             "the next dive."});
     }
 }
 
@@ -152,7 +155,7 @@ std::vector<Finding> alignment_findings(const types::RigAlignment& alignment) {
     add_solver(alignment.row_solver, "the rows of the images (pitch, roll, baseline)", findings);
     if (alignment.row_solver.num_failed > 0) return findings;
     add_solver(alignment.range_solver, "ranges of the scene (yaw, principal point)", findings);
-    add_parts(alignment, findings);
+    add_parts(alignment.parts, findings);
     if (alignment.outcome == Outcome::Inconsistent) {
         findings.push_back(inconsistent_finding(alignment));
         return findings;

@@ -167,9 +167,9 @@ json rig_parts(const std::vector<types::RigPart>& parts) {
                           {"num_frames", part.num_frames},
                           {"from_s", base::to_s(part.from_ns - parts[0].from_ns)},
                           {"found", part.found}});
-        if (part.shift_px <= 0.0) continue;
-        result.back()["change"] = rig_change(part.values, part.sigmas);
-        result.back()["row_shift_px"] = part.shift_px;
+        if (const json change = rig_change(part.values, part.sigmas); !change.empty())
+            result.back()["change"] = change;
+        if (part.shift_px > 0.0) result.back()["row_shift_px"] = part.shift_px;
     }
     return result;
 }

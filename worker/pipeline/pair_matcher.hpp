@@ -28,7 +28,7 @@ public:
                 const types::Rig& rig,
                 int num_threads);
 
-    // Returns none if the frame cannot be read.
+    // Returns an empty list if the frame cannot be read.
     types::StereoMatches matches(int frame_index) const;
     // Returns those of pairs spread over the span, pair by pair, until there are 2000 or those of
     // 48 pairs.

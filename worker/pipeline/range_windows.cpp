@@ -128,11 +128,12 @@ std::optional<types::ExposureMotion> exposure_motion_at(const types::Recording& 
 std::vector<calibration::RangeWindow> track_windows(const types::Recording& recording,
                                                     const camera::Rectifier& rectifier,
                                                     const std::vector<int>& first_frames,
+                                                    int end_frame,
                                                     int num_threads) {
     const int num_steps = steps_of(recording);
     std::vector<calibration::RangeWindow> windows(first_frames.size());
     base::for_each_index(num_threads, windows.size(), [&](std::size_t i) {
-        if (first_frames[i] + num_steps < recording.num_frames())
+        if (first_frames[i] + num_steps < end_frame)
             windows[i] = track_range_window(recording, rectifier, first_frames[i], num_steps);
     });
     return windows;

@@ -47,6 +47,7 @@ calibration::RangeSolution solve_spread_ranges(const types::Recording& recording
                                            rectifier,
                                            {frames.begin() + static_cast<std::ptrdiff_t>(begin),
                                             frames.begin() + static_cast<std::ptrdiff_t>(end)},
+                                           span.first + span.num,
                                            num_threads);
         windows.insert(windows.end(), tracked.begin(), tracked.end());
         ranges = calibration::solve_ranges(

@@ -27,7 +27,7 @@ constexpr std::size_t kMinFeaturesAtRest = 60;
 // else its rotation.
 Eigen::Isometry3d motion_by_imu(const PredictedMotion& prediction,
                                 const Eigen::Isometry3d& T_by_vision) {
-    if (prediction.imu_alone_s || !prediction.rotation) return prediction.T_current_previous;
+    if (prediction.imu_alone_s) return prediction.T_current_previous;
     Eigen::Isometry3d T_current_previous = T_by_vision;
     T_current_previous.linear() = prediction.rotation->q.toRotationMatrix();
     return T_current_previous;

@@ -9,6 +9,7 @@
 #include "tests/synthetic/sensor_recording.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/camera/projection.hpp"
+#include "worker/camera/right_camera_at.hpp"
 
 namespace divemesh::camera {
 namespace {
@@ -87,6 +88,12 @@ TEST(RectifierTest, PutsAPointOnItsRowAfterTheRightCameraWasKnocked) {
     after.cam1.fy_px *= 1.01;
     types::Rig knocked = before;
     knocked.right_turns = {{.from_ns = 100, .rotation = rotation, .focal = 0.01}, {.from_ns = 200}};
+    for (const std::int64_t time_ns : {99, 100, 199, 200}) {
+        const types::Rig& rig = time_ns < 100 || time_ns >= 200 ? before : after;
+        const MountedCamera right = right_camera_at(knocked, time_ns);
+        EXPECT_TRUE(right.T_imu_cam.isApprox(rig.T_imu_cam1, 1e-12)) << time_ns;
+        EXPECT_NEAR(right.camera.fx_px, rig.cam1.fx_px, 1e-9) << time_ns;
+    }
     const Rectifier rectifier(knocked);
     const types::RectifiedRig& ideal = rectifier.rig();
     const Eigen::Vector3d p_cam(-0.4, 0.3, 1.6);

@@ -43,6 +43,7 @@ TEST(DiveJsonTest, NotesKeepTheirLinesAndNothingThatMovesACursor) {
     };
     EXPECT_EQ(notes_of("calm sea"), "calm sea");
     EXPECT_EQ(notes_of("first\r\nsecond\n\nlast\n"), "first\nsecond\n\nlast\n");
+    EXPECT_EQ(notes_of("a\tb\rc"), "a b\nc");
     EXPECT_EQ(notes_of("\x1b[31m red"), "\\x1b[31m red");
     EXPECT_EQ(notes_of(7), "");
     const std::string many = notes_of(std::string(50'000, 'x'));

@@ -81,6 +81,24 @@ TEST(HandEyeTest, AWrongMotionAmongRightOnesRefutesNoMounting) {
     EXPECT_GT(num_led_astray, 3);
 }
 
+// By an angle whose refutation is not clear, the dive is taken with a warning.
+TEST(HandEyeTest, ADoubtfulMountingIsAWarning) {
+    std::mt19937 random(5);
+    std::normal_distribution<double> normal(0.0, 0.045);
+    auto pairs = random_motion(kMounting);
+    for (RotationPair& pair : pairs)
+        pair.vision_cam0 += Eigen::Vector3d(normal(random), normal(random), normal(random));
+    const Eigen::Matrix3d wrong =
+        kMounting * Eigen::AngleAxisd(0.4, Eigen::Vector3d::UnitX()).toRotationMatrix();
+    const HandEye result = compare_rotations(pairs, wrong);
+    ASSERT_GT(result.best_angle_deg, 20.0);
+    ASSERT_LT(result.given_residual, 0.5);
+    ASSERT_LT(result.given_residual, 2.0 * result.best_residual) << "else it is an error";
+
+    EXPECT_THAT(findings_for(pairs, wrong),
+                HasFinding(Severity::Warning, "gyro_vision_mismatch", "do not match"));
+}
+
 TEST(HandEyeTest, AGyroInDegreesIsSaid) {
     auto pairs = random_motion(kMounting);
     for (RotationPair& pair : pairs) pair.gyro_imu *= 180.0 / M_PI;

@@ -154,14 +154,20 @@ TEST(MetricsDocument, FitsItsSchemaWithARightCameraThatMovedInMidDive) {
     part.values[types::RigChange::kPitch] = std::numbers::pi / 360.0;
     part.sigmas[types::RigChange::kPitch] = 1e-4;
     part.shift_px = 2.5;
-    input.alignment.parts = {{.num_frames = 60, .from_ns = 500'000'000, .found = true}, part};
+    types::RigPart by_yaw_alone{.first_frame = 150, .num_frames = 9, .from_ns = 15'500'000'000};
+    by_yaw_alone.found = true;
+    by_yaw_alone.values[types::RigChange::kYaw] = 0.01;
+    by_yaw_alone.sigmas[types::RigChange::kYaw] = 1e-4;
+    input.alignment.parts = {
+        {.num_frames = 60, .from_ns = 500'000'000, .found = true}, part, by_yaw_alone};
 
     const json document = metrics_document(input);
 
     EXPECT_TRUE(is_valid(document));
     const json& parts = document["calibration"]["alignment"]["parts"];
-    ASSERT_EQ(parts.size(), 2U);
+    ASSERT_EQ(parts.size(), 3U);
     EXPECT_FALSE(parts[0].contains("change"));
+    EXPECT_TRUE(parts[2]["change"].contains("yaw_deg"));
     EXPECT_EQ(parts[1]["from_s"], 6.0);
     EXPECT_NEAR(parts[1]["change"]["pitch_deg"]["value"].get<double>(), 0.5, 1e-12);
     EXPECT_FALSE(parts[1]["change"].contains("yaw_deg"));

@@ -79,6 +79,7 @@ TEST(AlignmentFindingsTest, EachKnockInMidDiveIsToldWithItsTime) {
     types::RigPart turned{.first_frame = 60, .num_frames = 90, .from_ns = 7'000'000'000};
     turned.found = true;
     turned.values[types::RigChange::kPitch] = 0.01;
+    turned.values[types::RigChange::kFocal] = 0.02;
     alignment.parts = {{.num_frames = 60, .from_ns = 1'000'000'000, .found = true},
                        turned,
                        {.first_frame = 150, .num_frames = 20, .from_ns = 16'000'000'000}};
@@ -89,6 +90,8 @@ TEST(AlignmentFindingsTest, EachKnockInMidDiveIsToldWithItsTime) {
     EXPECT_EQ(findings[0].code, "rig_moved");
     EXPECT_EQ(findings[0].message.find("after 6.0 s (frame 60) something moved"), 0U);
     EXPECT_NE(findings[0].message.find("pitch 0.57"), std::string::npos);
+    EXPECT_EQ(findings[0].message.find("yaw"), std::string::npos) << "no range tells it";
+    EXPECT_EQ(findings[1].message.find("focal"), std::string::npos) << "nothing is known of it";
     EXPECT_NE(findings[1].message.find("too few points"), std::string::npos);
 }
 

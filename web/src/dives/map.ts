@@ -25,11 +25,12 @@ const kEarth_m = 6_371_008.8; // mean radius
 const kMinSpan_m = 200;
 const kReach_px = 26;
 
-// Returns the dives that have a position. Longitudes are taken the short way round the earth.
-export function placed(dives: Dive[]): Placed[] {
-  const known = dives.filter(({ position }) => position);
-  const first = known[0]?.position;
+export type Origin = NonNullable<Dive["position"]>;
+
+// Returns the dives that have a position, as seen from an origin. Longitudes are taken the short way round the earth.
+export function placed(dives: Dive[], first: Origin | undefined = origin_of(dives)): Placed[] {
   if (!first) return [];
+  const known = dives.filter(({ position }) => position);
   const radians = Math.PI / 180;
   return known.map((dive) => {
     const { latitude_deg, longitude_deg } = dive.position as NonNullable<Dive["position"]>;
@@ -42,7 +43,11 @@ export function placed(dives: Dive[]): Placed[] {
   });
 }
 
-// Returns the view that shows all of them.
+export function origin_of(dives: Dive[]): Origin | undefined {
+  return dives.find(({ position }) => position)?.position ?? undefined;
+}
+
+// Returns the view that shows all of them, of which there is at least one.
 export function view_of_all(places: Placed[], width: number, height: number): MapView {
   const middle = (values: number[]): [number, number] => {
     const [low, high] = [Math.min(...values), Math.max(...values)];
