@@ -76,6 +76,28 @@ TEST_F(KnownDistancesTest, AreExactWithThePosesOfTheTruthInAnyWorld) {
     EXPECT_EQ(errors.distances[0].num_keyframes_a, 10);
 }
 
+// Marks in images that were taken before and after a knock of the right camera.
+TEST_F(KnownDistancesTest, MarksAreSeenByTheRightCameraAsItStandsAtTheirTime) {
+    const Eigen::Vector3d p_world(0.1, 0.05, 0.0);
+    types::Rig knocked = rig_;
+    knocked.T_imu_cam1.rotate(Eigen::AngleAxisd(0.015, Eigen::Vector3d::UnitY()));
+    std::vector<dive::Mark> marks;
+    for (const types::StampedPose& pose : truth_) {
+        const types::Rig& rig = pose.timestamp_ns < 500'000'000 ? rig_ : knocked;
+        const auto left =
+            camera::project(rig.cam0, (pose.T_world_imu * rig.T_imu_cam0).inverse() * p_world);
+        const auto right =
+            camera::project(rig.cam1, (pose.T_world_imu * rig.T_imu_cam1).inverse() * p_world);
+        marks.push_back({pose.timestamp_ns, *left, right});
+    }
+    rig_.right_turns = {{.from_ns = 500'000'000, .rotation = {0.0, 0.015, 0.0}}};
+
+    const auto point = triangulate(marks, rig_, truth_);
+
+    ASSERT_TRUE(point);
+    EXPECT_LT((*point - p_world).norm(), 1e-7);
+}
+
 TEST_F(KnownDistancesTest, ScaleErrorIsTheFactorBetweenMeasuredAndKnown) {
     dive::KnownDistance wrong = bar_;
     wrong.distance_m /= 1.02;  // so that the measured length is 2 % too long
