@@ -1,6 +1,6 @@
 #include "worker/camera/right_camera_at.hpp"
 
-#include "worker/base/rotation_vector.hpp"
+#include "worker/camera/rectified_lens.hpp"
 
 namespace divemesh::camera {
 
@@ -8,10 +8,9 @@ MountedCamera right_camera_at(const types::Rig& rig, std::int64_t timestamp_ns) 
     types::CameraTurn last;
     for (const types::CameraTurn& turn : rig.right_turns)
         if (timestamp_ns >= turn.from_ns) last = turn;
-    MountedCamera result{rig.cam1, rig.T_imu_cam1};
-    result.T_imu_cam.rotate(base::rotation_from_vector(last.rotation));
-    result.camera.fx_px *= 1.0 + last.focal;
-    result.camera.fy_px *= 1.0 + last.focal;
+    const RectifiedLens turned = turned_lens({.camera = rig.cam1}, last);
+    MountedCamera result{turned.camera, rig.T_imu_cam1};
+    result.T_imu_cam.linear() *= turned.R_camera_rectified.transpose();
     return result;
 }
 

@@ -105,16 +105,11 @@ Aligned aligned(const types::Recording& recording,
     if (!is_determined(rows)) return result;
     types::RigAlignment& alignment = result.alignment;
     if (rows.outcome == Outcome::AsStated) clear_change(alignment);  // reported, never applied
-    const calibration::RangeSolution ranges =
-        solve_spread_ranges(recording,
-                            calibration::changed_rig(stated, alignment.change),
-                            span,
-                            calibration::expected_range_sigmas(),
-                            num_threads,
-                            progress);
-    const types::RectifiedRig aligned_rig = camera::rectified_rig(
-        calibration::changed_rig(stated, alignment.change), recording.fixed_pattern());
-    calibration::add_ranges(stated, aligned_rig, ranges, alignment);
+    const types::Rig moved = calibration::changed_rig(stated, alignment.change);
+    const calibration::RangeSolution ranges = solve_spread_ranges(
+        recording, moved, span, calibration::expected_range_sigmas(), num_threads, progress);
+    calibration::add_ranges(
+        stated, camera::rectified_rig(moved, recording.fixed_pattern()), ranges, alignment);
     if (alignment.outcome == Outcome::AsStated) {
         alignment.change = rows.change;
         alignment.sigmas = rows.sigmas;
