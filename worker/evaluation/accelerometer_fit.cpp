@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
@@ -32,7 +33,8 @@ constexpr double kLeverSigma_m = 0.05;
 constexpr double kAxesSigma_rad = 0.005;  // of an accelerometer's to its gyroscope's
 constexpr double kMaxNoise = 0.5;         // share of the accelerations
 constexpr int kVarianceRounds = 4;
-constexpr double kFirstVariance = 1e-6;  // m^2/s^4; of a good path
+constexpr double kEqualVariances = 0.95;  // confidence up to which windows have equal errors
+constexpr double kFirstVariance = 1e-6;   // m^2/s^4; of a good path
 // Windows that overlap by half share white noise: twice the correlation of sin^4 and cos^4.
 constexpr double kOverlap = 1.0 + 2.0 * 3.0 / 70.0;
 // A tilt of the path by three degrees, and the bias of a cheap accelerometer.
@@ -305,6 +307,63 @@ double widening_of(double degrees_of_freedom) {
            stats::normal_quantile(kShare);
 }
 
+// What a window tells about 1 / s, by the row of the covariance that belongs to it.
+struct ScaleEvidence {
+    double squared_lever = 0.0;  // of the window's errors, in sigmas, on 1 / s
+    double squared_error = 0.0;  // of 1 / s, by the window's residual
+};
+
+// Adds the evidence of the windows of one bias, given the shared unknowns and the first row of
+// their covariance.
+void add_scale_evidence(const Equation* first,
+                        std::ptrdiff_t num,
+                        double variance,
+                        const SharedVector& shared,
+                        const SharedVector& row,
+                        std::vector<ScaleEvidence>& evidence) {
+    Eigen::Matrix<double, 6, 6> A = variance * std::pow(kGravityAndBiasSigma_m_s2, -2) *
+                                    Eigen::Matrix<double, 6, 6>::Identity();
+    Eigen::Matrix<double, 6, 2> B = Eigen::Matrix<double, 6, 2>::Zero();
+    const auto known = [&](const Equation& e) {
+        Eigen::Matrix<double, 3, 2> both;
+        both << e.shared * row, e.seen - e.shared * shared;
+        return both;
+    };
+    for (const Equation* e = first; e != first + num; ++e) {
+        A += e->unknowns.transpose() * e->unknowns;
+        B += e->unknowns.transpose() * known(*e);
+    }
+    const Eigen::Matrix<double, 6, 2> explained = A.ldlt().solve(B);
+    for (const Equation* e = first; e != first + num; ++e) {
+        const Eigen::Matrix<double, 3, 2> left = known(*e) - e->unknowns * explained;
+        const double error = left.col(0).dot(left.col(1)) / variance;
+        evidence.push_back({left.col(0).squaredNorm() / variance, error * error});
+    }
+}
+
+// Returns the variance of 1 / s. It is `equal`, that of equal errors in all windows and `widening`
+// times as wide in its sigma, unless the windows that tell the scale have larger ones (White 1980):
+// a path is exact while the rig rests.
+double variance_of_scale(const std::vector<ScaleEvidence>& evidence,
+                         double equal,
+                         double widening) {
+    double levers = 0.0;
+    double squared_levers = 0.0;
+    double errors = 0.0;
+    for (const ScaleEvidence& window : evidence) {
+        levers += window.squared_lever;
+        squared_levers += window.squared_lever * window.squared_lever;
+        errors += window.squared_error;
+    }
+    const double assumed = widening * widening * equal;
+    if (!(squared_levers > 0.0)) return assumed;
+    const double num = levers * levers / squared_levers;  // of the windows that tell it
+    const double unequal = kOverlap * errors;
+    if (unequal / equal * num < stats::chi_square_quantile(kEqualVariances, num)) return assumed;
+    const double by_few = widening_of(num - 1.0);
+    return std::max(assumed, by_few * by_few * unequal * num / std::max(1.0, num - 1.0));
+}
+
 }  // namespace
 
 std::optional<AccelerometerFit> fit_accelerometer(const std::vector<types::ImuSample>& imu,
@@ -314,13 +373,17 @@ std::optional<AccelerometerFit> fit_accelerometer(const std::vector<types::ImuSa
     const std::ptrdiff_t windows_of_one_bias = 2 * kTimeOfOneBias_ns / window_ns(trajectory);
     const std::ptrdiff_t num = std::ssize(equations);
     const std::ptrdiff_t num_groups = std::max<std::ptrdiff_t>(1, num / windows_of_one_bias);
+    const auto range_of = [&](std::ptrdiff_t group) {
+        const std::ptrdiff_t begin = num * group / num_groups;
+        return std::pair(begin, num * (group + 1) / num_groups - begin);
+    };
     const double noise = noise_m_s2(imu);
     SharedMatrix information = prior_information();
     SharedVector right = SharedVector::Zero();
     double degrees_of_freedom = 0.0;
+    std::vector<double> variances;  // of the groups; 0: it tells nothing
     for (std::ptrdiff_t group = 0; group < num_groups; ++group) {
-        const std::ptrdiff_t begin = num * group / num_groups;
-        const std::ptrdiff_t size = num * (group + 1) / num_groups - begin;
+        const auto [begin, size] = range_of(group);
         if (size < kMinWindows) return std::nullopt;
         NormalEquations normal;
         for (int i = 0; i < kVarianceRounds; ++i) {
@@ -329,7 +392,9 @@ std::optional<AccelerometerFit> fit_accelerometer(const std::vector<types::ImuSa
             normal.variance = variance;
             if (normal.information(0, 0) > 0.0) normal.find_variance();
         }
-        if (!(normal.information(0, 0) > 0.0 && normal.variance > 0.0)) continue;
+        const bool tells = normal.information(0, 0) > 0.0 && normal.variance > 0.0;
+        variances.push_back(tells ? normal.variance : 0.0);
+        if (!tells) continue;
         information += normal.corrected() / normal.variance;
         right += normal.right / normal.variance;
         degrees_of_freedom += normal.degrees_of_freedom;
@@ -338,13 +403,21 @@ std::optional<AccelerometerFit> fit_accelerometer(const std::vector<types::ImuSa
     const SharedVector shared = information.ldlt().solve(right);
     // The variances are those of the residuals, few of a short dive.
     const double widening = widening_of(degrees_of_freedom);
-    const SharedMatrix covariance = widening * widening * information.inverse();
+    const SharedMatrix covariance = information.inverse();
     if (!(shared[0] > 0.0)) return std::nullopt;
-    return AccelerometerFit{
-        {1.0 / shared[0], std::sqrt(covariance(0, 0)) / (shared[0] * shared[0])},
-        shared.segment<3>(1),
-        covariance.block<3, 3>(1, 1),
-        num};
+    std::vector<ScaleEvidence> evidence;
+    for (std::ptrdiff_t group = 0; group < num_groups; ++group) {
+        const auto [begin, size] = range_of(group);
+        const double variance = variances[static_cast<std::size_t>(group)];
+        if (variance > 0.0)
+            add_scale_evidence(
+                equations.data() + begin, size, variance, shared, covariance.col(0), evidence);
+    }
+    const double sigma = std::sqrt(variance_of_scale(evidence, covariance(0, 0), widening));
+    return AccelerometerFit{{1.0 / shared[0], sigma / (shared[0] * shared[0])},
+                            shared.segment<3>(1),
+                            covariance.block<3, 3>(1, 1),
+                            num};
 }
 
 std::optional<ScaleCheck> scale_by_accelerometer(const std::vector<types::ImuSample>& imu,

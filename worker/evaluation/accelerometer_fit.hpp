@@ -35,7 +35,8 @@ struct AccelerometerFit {
 // m/s^2 along -z and the bias b, each constant for a minute, the scale s, the lever arm l and the
 // rotation e of the accelerometer's axes to the gyroscope's, constant for the whole dive. Their
 // priors are zero, to 0.5 m/s^2, 5 cm and 5 mrad in each axis: without rotation of the rig the
-// sigmas stay there. Sigmas are those of the residuals, wider for few of them. A window is two
+// sigmas stay there. Sigmas are those of the residuals, wider for few of them; that of the scale is
+// of the windows that tell it, as a rig at rest has hardly any residuals. A window is two
 // seconds, or as long as twelve frames take; between frames the rotation follows the gyroscope.
 // Returns nullopt without accelerometer data, if frames are more than 0.6 s apart, or if fewer than
 // five windows are covered without a gap.

@@ -54,6 +54,8 @@ public:
     void contradicted_in(const types::TimeInterval& time);
     // Takes in that vision lost the scene in a frame.
     void lost_scene();
+    // Takes in a frame that tells nothing about the sensors, though nothing was lost.
+    void passed_frame() { num_lost_ = 0; }
 
     // Returns the plan, with what was learnt about the sensors.
     const SensorPlan& plan() const { return plan_; }

@@ -129,15 +129,16 @@ bool Relocaliser::contradicts(const KeptKeyframe& keyframe,
            4 * num_found < found.size();
 }
 
-void Relocaliser::relocalise(const types::RectifiedFrame& frame,
+bool Relocaliser::relocalise(const types::RectifiedFrame& frame,
                              std::uint64_t seed,
                              types::Features& features,
                              odometry::MotionModel& motion) {
-    if (!std::exchange(lost_, false)) return;
+    if (!std::exchange(lost_, false)) return false;
     const auto known = recognise(frame, motion.T_world_cam(), seed);
-    if (!known) return;
+    if (!known) return false;
     motion.correct(known->T_world_cam);
     join(known->features, features);
+    return true;
 }
 
 std::optional<features::DescribedKeypoints> Relocaliser::keep(

@@ -49,8 +49,9 @@ public:
     // Marks that a frame shows the scene from before the loss.
     void mark_found() { lost_ = false; }
     // Called for a frame that is about to become a keyframe. After a loss, features of the last
-    // keyframes that it shows are added to `features` with their ids, and `motion` is corrected.
-    void relocalise(const types::RectifiedFrame& frame,
+    // keyframes that it shows are added to `features` with their ids, and `motion` is corrected;
+    // then it returns true.
+    bool relocalise(const types::RectifiedFrame& frame,
                     std::uint64_t seed,
                     types::Features& features,
                     odometry::MotionModel& motion);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <cstdint>
+#include <deque>
 #include <optional>
 
 #include "worker/odometry/with_depth_at_both_times.hpp"
@@ -10,11 +12,16 @@
 
 namespace divemesh::odometry {
 
+// Returns the median distance between the pixels of pairs, 0 without pairs.
+double median_shift_px(const PointPairs& pairs);
+
 // Recognises a rig that stands still or hardly moves. Each frame is compared with an anchor, the
 // first frame of the rest, not with the frame before: however slowly the rig moves, its distance
 // from the anchor grows until it shows. So a rest hides no more motion than the noise of a single
 // pose. Features that appear during the rest join the anchor, so that it outlasts a person who
-// walks past; each time that all features have changed, it can hide as much again.
+// walks past; each time that all features have changed, it can hide as much again. Features that
+// fish drag along or that light moves count neither for a motion nor against a rest. Where many are
+// moved together, the motions scatter about their trend; a motion counts only if it exceeds that.
 class RestDetector {
 public:
     explicit RestDetector(const types::RectifiedRig& rig) : rig_(rig) {}
@@ -30,15 +37,24 @@ public:
                                            const types::Features& features,
                                            const Eigen::Isometry3d& T_world_cam,
                                            Seen seen = Seen::StaticFeatures);
-    // Begins anew with the next frame: the map has changed, or sensors say that the rig moves.
+    // Takes in a frame in which nothing was seen.
+    void pass_frame() { T_anchor_cam_.reset(); }
+    // Begins anew with the next frame: sensors say that the rig moves.
     void restart() {
         anchor_.clear();
+        motions_.clear();
         hardly_moves_ = false;
+        T_anchor_cam_.reset();
     }
+    // Takes in that the last frame has another pose in the map: it was adjusted, or the place was
+    // recognised. A rest goes on there; what is no rest yet begins anew with the next frame.
+    void correct(const Eigen::Isometry3d& T_world_cam);
 
     // Returns true if the last frame's image had hardly moved since an earlier frame, however
     // recent.
     bool hardly_moves() const { return hardly_moves_; }
+    // Returns true if watch() returned a pose for the last frame.
+    bool at_rest() const { return T_anchor_cam_.has_value(); }
     // Returns when the rest began. Valid while watch() returns a pose.
     std::int64_t began_ns() const { return anchor_ns_; }
     // Return the standard deviations of the pose against the anchor's, likewise: the largest along
@@ -46,21 +62,32 @@ public:
     double sigma_m() const { return sigma_m_; }
     double sigma_rad() const { return sigma_rad_; }
     // Returns the camera's rotation since then, likewise.
-    Eigen::Quaterniond q_anchor_cam() const { return Eigen::Quaterniond(T_anchor_cam_.linear()); }
+    Eigen::Quaterniond q_anchor_cam() const { return Eigen::Quaterniond(T_anchor_cam_->linear()); }
 
 private:
+    using Vector6d = Eigen::Matrix<double, 6, 1>;
+    using Matrix6d = Eigen::Matrix<double, 6, 6>;
+    struct Motion {
+        std::int64_t time_ns = 0;
+        Vector6d since_anchor;  // rotation vector, rad, then translation, m
+    };
+
     bool hardly_moved(const PointPairs& pairs) const;
     PointPairs in_place(const PointPairs& pairs) const;
     void join_anchor(const types::Features& features);
-    std::optional<Eigen::Isometry3d> significant_motion(const PointPairs& pairs);
+    PointPairs agreeing(const PointPairs& pairs) const;
+    double scatter_of_motions(std::int64_t until_ns, const Matrix6d& covariance) const;
+    std::optional<Eigen::Isometry3d> significant_motion(std::int64_t now_ns,
+                                                        const PointPairs& pairs);
 
     types::RectifiedRig rig_;
     types::Features anchor_;
     std::int64_t anchor_ns_ = 0;
     std::int64_t last_ns_ = 0;
+    std::deque<Motion> motions_;  // the latest
     bool hardly_moves_ = false;
     Eigen::Isometry3d T_world_anchor_ = Eigen::Isometry3d::Identity();
-    Eigen::Isometry3d T_anchor_cam_ = Eigen::Isometry3d::Identity();
+    std::optional<Eigen::Isometry3d> T_anchor_cam_;  // of the last frame, if it is at rest
     double sigma_m_ = 0.0;
     double sigma_rad_ = 0.0;
 };

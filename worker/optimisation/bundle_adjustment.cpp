@@ -295,6 +295,10 @@ void BundleAdjustment::add_motion(BodyState& from,
             {own.q(from), from.p_world_imu.data(), own.q(to), to.p_world_imu.data()});
 }
 
+void BundleAdjustment::add_velocity(BodyState& state, const Eigen::Vector3d& known, double sigma) {
+    implementation_->add_vector(state.velocity_world, known, sigma);
+}
+
 void BundleAdjustment::add_gyroscope_bias(BodyState& state,
                                           const Eigen::Vector3d& known,
                                           double sigma) {

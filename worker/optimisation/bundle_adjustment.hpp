@@ -101,6 +101,7 @@ public:
                     const Eigen::Isometry3d& T_from_to,
                     double sigma_m,
                     double sigma_rad);
+    void add_velocity(BodyState& state, const Eigen::Vector3d& known, double sigma);
     void add_gyroscope_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
     void add_accelerometer_bias(BodyState& state, const Eigen::Vector3d& known, double sigma);
     // Adds an orientation from the AHRS. `q_world_ahrs`, the AHRS's world in ours, is unknown and

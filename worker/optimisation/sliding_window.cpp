@@ -12,8 +12,9 @@ namespace {
 constexpr std::size_t kNumApart = 7;             // keyframes with motion between them
 constexpr std::size_t kMaxWindowKeyframes = 12;  // including those where the camera stood still
 constexpr int kMaxIterations = 6;
-constexpr double kOutlier = 5.0;     // in sigmas, per measurement
-constexpr double kExact = 0.0;       // sigma of a scale that so short a time cannot tell
+constexpr double kOutlier = 5.0;              // in sigmas, per measurement
+constexpr double kExact = 0.0;                // sigma of a scale that so short a time cannot tell
+constexpr double kVelocityAtRest_m_s = 0.01;  // sigma; a rest may hide so slow a motion
 constexpr double kMinShift = 0.002;  // of the image width, median; below it the camera stands still
 const Eigen::Vector3d kLandmarkSigma_px = 0.5 * types::kFeatureSigma_px;  // of an adjusted landmark
 
@@ -36,12 +37,17 @@ bool fits(const types::RectifiedRig& rig,
 
 void SlidingWindow::add_keyframe(const types::Keyframe& keyframe,
                                  const types::Features& features,
-                                 const imu::SensorReadings& readings) {
+                                 const imu::SensorReadings& readings,
+                                 const std::optional<types::MotionSigma>& at_rest) {
     const auto index = static_cast<std::int32_t>(keyframes_.size());
     if (entries_.empty()) reference_->depth_offset_m = readings.depth_m.value_or(0.0);
     Entry entry;
     entry.state = first_state(keyframe, readings);
     entry.readings = readings;
+    if (at_rest)
+        entry.motion_at_rest = {rig_.T_imu_cam * keyframes_.back().T_world_cam.inverse() *
+                                    keyframe.T_world_cam * rig_.T_imu_cam.inverse(),
+                                *at_rest};
     for (const types::Feature& feature : features) {
         if (!types::has_depth(feature) && !landmark_of_feature_.contains(feature.id)) continue;
         const std::size_t landmark = landmark_of(feature, keyframe);
@@ -151,6 +157,8 @@ void SlidingWindow::marginalise_oldest() {
     if (oldest_ == 0) add_gravity_prior(leaving, readings, *reference_);
     if (!chained(oldest_)) add_bias_priors(leaving, readings, from);
     add_relative_factors(leaving, readings, noise_, from, entries_[oldest_ + 1].state, *reference_);
+    add_zero_velocity(leaving, oldest_);
+    add_motion_at_rest(leaving, oldest_ + 1);
     leaving.add_prior(prior_);
     leaving.add_depth_scale(reference_->depth_scale, kExact);
     prior_ = leaving.marginalise({from.q_world_imu.coeffs().data(),
@@ -210,14 +218,34 @@ void SlidingWindow::add_readings(BundleAdjustment& bundle_adjustment) {
     for (std::size_t k = oldest_; k < entries_.size(); ++k) {
         const imu::SensorReadings& readings = entries_[k].readings;
         add_absolute_factors(bundle_adjustment, readings, entries_[k].state, *reference_);
+        add_zero_velocity(bundle_adjustment, k);
         if (k == oldest_) continue;  // the factors that lead to it are in the prior
         BodyState& from = entries_[k - 1].state;
         if (k == 1) add_gravity_prior(bundle_adjustment, readings, *reference_);
         if (!chained(k - 1)) add_bias_priors(bundle_adjustment, readings, from);
         add_relative_factors(
             bundle_adjustment, readings, noise_, from, entries_[k].state, *reference_);
+        add_motion_at_rest(bundle_adjustment, k);
     }
     bundle_adjustment.add_depth_scale(reference_->depth_scale, kExact);
+}
+
+// Only the factors of the accelerometer contain a velocity.
+void SlidingWindow::add_zero_velocity(BundleAdjustment& bundle_adjustment, std::size_t k) {
+    const bool has_velocity =
+        entries_[k].readings.motion || (k + 1 < entries_.size() && entries_[k + 1].readings.motion);
+    if (entries_[k].at_rest && has_velocity)
+        bundle_adjustment.add_velocity(
+            entries_[k].state, Eigen::Vector3d::Zero(), kVelocityAtRest_m_s);
+}
+
+void SlidingWindow::add_motion_at_rest(BundleAdjustment& bundle_adjustment, std::size_t k) {
+    if (const auto& motion = entries_[k].motion_at_rest)
+        bundle_adjustment.add_motion(entries_[k - 1].state,
+                                     entries_[k].state,
+                                     motion->T_before_imu,
+                                     motion->sigma.position_m,
+                                     motion->sigma.rotation_rad);
 }
 
 void SlidingWindow::drop_outliers() {

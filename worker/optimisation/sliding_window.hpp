@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <optional>
 #include <unordered_map>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include "worker/types/feature.hpp"
 #include "worker/types/keyframe.hpp"
 #include "worker/types/landmark.hpp"
+#include "worker/types/motion_sigma.hpp"
 #include "worker/types/solver_outcome.hpp"
 
 namespace divemesh::optimisation {
@@ -28,10 +30,15 @@ public:
     SlidingWindow(const types::RectifiedRig& rig, const types::ImuNoise& noise)
         : rig_(rig), noise_(noise) {}
 
-    // Adds a keyframe; `readings` are the sensors' at the keyframe and since the previous one.
+    // Adds a keyframe; `readings` are the sensors' at the keyframe and since the previous one. If
+    // the rig rested since that one, `at_rest` says how well the keyframe's pose is known against
+    // it.
     void add_keyframe(const types::Keyframe& keyframe,
                       const types::Features& features,
-                      const imu::SensorReadings& readings);
+                      const imu::SensorReadings& readings,
+                      const std::optional<types::MotionSigma>& at_rest = std::nullopt);
+    // Records that the rig rests at the last keyframe: its velocity is zero.
+    void set_at_rest() { entries_.back().at_rest = true; }
     // Adjusts the keyframes in the window, of which there must be at least two. Returns how the
     // solver ended.
     types::SolverOutcome adjust();
@@ -48,11 +55,17 @@ public:
     std::vector<types::Landmark> landmarks() const;  // observed in two keyframes or more
 
 private:
+    struct MotionAtRest {
+        Eigen::Isometry3d T_before_imu;
+        types::MotionSigma sigma;
+    };
     struct Entry {
         BodyState state;
         imu::SensorReadings readings;
         std::vector<std::size_t> landmarks;  // observed here
         bool moved = true;                   // since the previous keyframe
+        bool at_rest = false;
+        std::optional<MotionAtRest> motion_at_rest;  // since the previous keyframe
     };
     std::size_t landmark_of(const types::Feature& feature, const types::Keyframe& keyframe);
     BodyState first_state(const types::Keyframe& keyframe,
@@ -78,6 +91,8 @@ private:
                           std::size_t end);
     void add_landmarks(BundleAdjustment& bundle_adjustment);
     void add_readings(BundleAdjustment& bundle_adjustment);
+    void add_zero_velocity(BundleAdjustment& bundle_adjustment, std::size_t k);
+    void add_motion_at_rest(BundleAdjustment& bundle_adjustment, std::size_t k);
     void drop_outliers();
 
     types::RectifiedRig rig_;

@@ -1,11 +1,15 @@
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <optional>
+#include <vector>
 
 #include "worker/imu/inertial_prior.hpp"
 #include "worker/keyframes/keyframe_rule.hpp"
 #include "worker/odometry/motion_model.hpp"
 #include "worker/optimisation/sliding_window.hpp"
+#include "worker/types/rest.hpp"
 #include "worker/types/track.hpp"
 
 namespace divemesh::pipeline {
@@ -28,12 +32,19 @@ public:
     bool due(const types::Features& features, std::int64_t timestamp_ns) {
         return rule_.due(features, timestamp_ns);
     }
-    bool due_at_rest(const types::Features& features) const { return rule_.due_at_rest(features); }
+    // Returns true if the features at rest have been replaced, or if the rest has no keyframe yet
+    // that stands still. The first rest of a dive needs none: nothing moved before.
+    bool due_at_rest(const types::Features& features,
+                     const std::optional<std::int64_t>& resting_since_ns) const {
+        return rule_.due_at_rest(features) ||
+               (is_adjusted() && resting_since_ns && last_ns_ < *resting_since_ns + kSettled_ns);
+    }
 
     // Adds a keyframe, and gives the corrected pose to `motion` and the corrected bias to
-    // `inertial`.
+    // `inertial`. `rests` are those so far.
     void add(const types::RectifiedFrame& frame,
              const types::Features& features,
+             const std::vector<types::Rest>& rests,
              odometry::MotionModel& motion,
              imu::InertialPrior& inertial);
 
@@ -42,11 +53,19 @@ public:
     void move_to(types::Track& track) const;
 
 private:
+    // A rest begins within a pixel of where the rig stops; from then on it stands.
+    static constexpr std::int64_t kSettled_ns = 500'000'000;
     static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
+
+    // Returns how well the pose of a frame in a rest is known against the last keyframe; nullopt if
+    // that one is not of the same rest.
+    std::optional<types::MotionSigma> since_last(const types::Rest& rest) const;
+    bool began_at_rest(const std::vector<types::Rest>& rests) const;
 
     keyframes::KeyframeRule rule_;
     optimisation::SlidingWindow sliding_window_;
     types::SolverTally solver_;
+    bool is_corrected_ = true;  // the motion model goes on from the last keyframe's pose
     std::int64_t last_ns_ = kNever;
 };
 

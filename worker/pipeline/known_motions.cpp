@@ -10,20 +10,22 @@
 namespace divemesh::pipeline {
 namespace {
 
-// A rest begins again with the frame after a keyframe, and ends with the frame before the one in
-// which motion shows. Images follow the rig over so short a time.
+// A rest may begin with the frame after a keyframe, and ends with the frame before the one in which
+// motion shows. Images follow the rig over so short a time.
 constexpr std::int64_t kMaxBesideRest_ns = 1'000'000'000;
 
 // Returns the rest that fills the time from a keyframe to the next one.
 std::optional<types::Rest> rest_between(const std::vector<types::Rest>& rests,
                                         const types::Keyframe& from,
                                         const types::Keyframe& to) {
-    const auto rest = std::ranges::lower_bound(
-        rests, from.timestamp_ns, {}, [](const types::Rest& r) { return r.from_ns; });
-    if (rest == rests.end() || rest->from_ns >= to.timestamp_ns ||
-        rest->from_ns > from.timestamp_ns + kMaxBesideRest_ns ||
-        rest->to_ns < to.timestamp_ns - kMaxBesideRest_ns)
-        return std::nullopt;
+    const auto rest = std::ranges::find_if(rests, [&](const types::Rest& r) {
+        const std::int64_t common_ns =
+            std::min(r.to_ns, to.timestamp_ns) - std::max(r.from_ns, from.timestamp_ns);
+        return 2 * common_ns >= to.timestamp_ns - from.timestamp_ns &&
+               r.from_ns <= from.timestamp_ns + kMaxBesideRest_ns &&
+               r.to_ns >= to.timestamp_ns - kMaxBesideRest_ns;
+    });
+    if (rest == rests.end()) return std::nullopt;
     return *rest;
 }
 

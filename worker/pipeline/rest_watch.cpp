@@ -18,6 +18,9 @@ constexpr std::int64_t kNumForces = 5;
 constexpr double kForceAtRest_m_s2 = 0.02;
 constexpr double kMaxForceNoise_m_s2 = 0.1;
 constexpr double kNoiseSigmas = 4.0;
+constexpr std::int64_t kLately_ns = 2'000'000'000;
+// Between two frames. Own gear in view would otherwise hold a rig that glides on evenly.
+constexpr double kMaxShiftAtRest_px = 2.0;
 constexpr std::int64_t kBiasTime_ns = 7'000'000'000;  // later the sliding window knows it as well
 
 }  // namespace
@@ -31,7 +34,10 @@ std::optional<Eigen::Isometry3d> RestWatch::watch(const odometry::Registration& 
         return std::nullopt;
     }
     const bool rests = rests_by_imu(now_ns);
-    if (!vision.found && !rests) return std::nullopt;
+    if (!vision.found && !rests) {
+        detector_.pass_frame();
+        return std::nullopt;
+    }
     using Seen = odometry::RestDetector::Seen;
     const Eigen::Isometry3d T_world_cam = motion_.T_world_cam() * estimated.inverse();
     const auto T_world_rest =
@@ -39,6 +45,15 @@ std::optional<Eigen::Isometry3d> RestWatch::watch(const odometry::Registration& 
               : detector_.watch(now_ns, odometry::static_features(vision), T_world_cam);
     if (!T_world_rest) return std::nullopt;
     return T_world_rest->inverse() * motion_.T_world_cam();
+}
+
+bool RestWatch::confirmed_by_imu(const odometry::Registration& vision, std::int64_t now_ns) const {
+    return detector_.at_rest() && !rotates_by_gyroscope(now_ns) && rests_by_imu(now_ns) &&
+           odometry::median_shift_px(vision.inliers) < kMaxShiftAtRest_px;
+}
+
+bool RestWatch::rested_lately(std::int64_t now_ns) const {
+    return confirmed_ns_ && now_ns - *confirmed_ns_ <= kLately_ns;
 }
 
 bool RestWatch::rotates_by_gyroscope(std::int64_t now_ns) const {
@@ -73,6 +88,7 @@ void RestWatch::settle(std::int64_t now_ns) {
     const std::int64_t began_ns = detector_.began_ns();
     if (rests_.empty() || rests_.back().from_ns != began_ns) rests_.emplace_back();
     rests_.back() = {began_ns, now_ns, detector_.sigma_m(), detector_.sigma_rad()};
+    if (rests_by_imu(now_ns)) confirmed_ns_ = now_ns;
     if (now_ns - detector_.began_ns() > kBiasTime_ns) return;
     const Eigen::Quaterniond q_imu_cam(rig_.T_imu_cam.linear());
     inertial_.learn_bias_at_rest(

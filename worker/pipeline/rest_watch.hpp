@@ -30,11 +30,23 @@ public:
                                            std::int64_t now_ns);
     // Uses that the rig rests, once `motion` has advanced to the frame.
     void settle(std::int64_t now_ns);
-    // Begins again: the map has changed.
-    void restart() { detector_.restart(); }
+    // Takes in that the pose in `motion` was corrected.
+    void correct() { detector_.correct(motion_.T_world_cam()); }
+    // Returns when the rest began, if the rig rested in the last frame.
+    std::optional<std::int64_t> resting_since() const {
+        return detector_.at_rest() ? std::optional(detector_.began_ns()) : std::nullopt;
+    }
     // Returns true if the image has hardly moved since an earlier frame, however recent.
     bool hardly_moves() const { return detector_.hardly_moves(); }
-    // Returns the rests so far, each within the time between two restarts.
+    // Returns true if the rig rested in the last frame, if the IMU measured no motion since, and if
+    // most of what vision followed into this frame stayed in place. The motion by vision may be
+    // that of fish or light then.
+    bool confirmed_by_imu(const odometry::Registration& vision, std::int64_t now_ns) const;
+    // Returns true if images and IMU showed a rest up to two seconds ago. The velocity that the
+    // sliding window gives to the first keyframes after a rest has the error of the forces of the
+    // whole rest.
+    bool rested_lately(std::int64_t now_ns) const;
+    // Returns the rests so far.
     const std::vector<types::Rest>& rests() const { return rests_; }
 
 private:
@@ -46,6 +58,7 @@ private:
     odometry::MotionModel& motion_;
     odometry::RestDetector detector_;
     std::vector<types::Rest> rests_;
+    std::optional<std::int64_t> confirmed_ns_;  // when images and IMU last showed a rest
 };
 
 }  // namespace divemesh::pipeline

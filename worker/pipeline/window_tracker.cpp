@@ -157,9 +157,10 @@ bool WindowTracker::check_imu(const Observed& seen,
                               const types::TimeInterval& time) {
     // Without a gyroscope the rotation is that of the AHRS, which SensorWatch judges.
     if (!prediction.rotation || !state_.inertial.has_gyroscope() || seen.recognised) return true;
+    if (rest_.confirmed_by_imu(seen.vision, time.to_ns)) return true;
     const bool contradicted =
         imu_check_.contradicts(seen.vision, *prediction.rotation, time) || seen.against_imu ||
-        (prediction.imu_alone_s &&
+        (prediction.imu_alone_s && !rest_.rested_lately(time.to_ns) &&
          imu_check_.contradicts(
              seen.vision, prediction.T_current_previous, *prediction.imu_alone_s, time));
     if (!contradicted) return true;
@@ -172,6 +173,11 @@ void WindowTracker::watch_sensors(const Observed& seen,
                                   std::int64_t before_ns,
                                   std::int64_t now_ns) {
     if (state_.map.empty()) return;
+    if (rest_.confirmed_by_imu(seen.vision, now_ns)) {
+        if (!state_.map.is_adjusted())
+            state_.inertial.learn_bias(before_ns, now_ns, Eigen::Quaterniond::Identity());
+        return sensors_.passed_frame();
+    }
     if (!seen.vision.found) return sensors_.lost_scene();
     if (seen.recognised) return;
     const auto motion =
@@ -221,7 +227,7 @@ bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,
     // A rig that hardly moves sees nothing new, however much passes in front of it.
     const bool rests = rest_.hardly_moves();
     const auto is_due = [&] {
-        return rests ? state_.map.due_at_rest(state_.features)
+        return rests ? state_.map.due_at_rest(state_.features, rest_.resting_since())
                      : state_.map.due(state_.features, frame.timestamp_ns);
     };
     // The covariance of a path takes two keyframes.
@@ -238,10 +244,14 @@ bool WindowTracker::keep_if_due(const types::RectifiedFrame& frame,
     if (begins) state_.map = KeyframeMap(state_.rig, state_.inertial);
     view_.reset();
     if (keep) {
-        memory.relocalise(
+        const bool recognised = memory.relocalise(
             frame, odometry::seed_of(state_.options.seed, frame), state_.features, state_.motion);
-        state_.map.add(frame, state_.features, state_.motion, state_.inertial);
-        rest_.restart();
+        state_.map.add(frame,
+                       state_.features,
+                       recognised ? std::vector<types::Rest>{} : rest_.rests(),
+                       state_.motion,
+                       state_.inertial);
+        rest_.correct();
         view_ = memory.keep(frame, state_.features, state_.motion.T_world_cam());
     }
     if (vision.found) memory.confirm(known, state_.motion.T_world_cam());

@@ -82,6 +82,43 @@ TEST(AccelerometerFitTest, OfAShortDiveWithASmallNoiseAsWell) {
     EXPECT_THAT(squared_sigmas(0.02, 10.0), kAsOfFortyNumbers);
 }
 
+// A rig that rests for 50 s, where its path is exact, and then swings for ten.
+TEST(AccelerometerFitTest, ARestDoesNotMakeTheScaleLookCertain) {
+    constexpr double kRest_s = 50.0;
+    const Eigen::Vector3d size_m(0.3, 0.2, 0.1);
+    const Eigen::Vector3d rate(1.3, 2.1, 0.9);
+    double sum = 0.0;
+    for (std::uint32_t seed = 1; seed <= 40; ++seed) {
+        std::mt19937 random(seed);
+        std::normal_distribution<double> normal;
+        const auto three = [&] {
+            return Eigen::Vector3d(normal(random), normal(random), normal(random));
+        };
+        types::Trajectory path;
+        for (int i = 0; i <= 600; ++i) {
+            const double t = std::max(0.0, 0.1 * i - kRest_s);
+            types::StampedPose pose{base::to_ns(0.1 * i), Eigen::Isometry3d::Identity()};
+            if (t > 0.0)
+                pose.T_world_imu.translation() =
+                    size_m.array() * (1.0 - (rate * t).array().cos()) + 0.01 * three().array();
+            path.push_back(pose);
+        }
+        std::vector<types::ImuSample> imu;
+        for (int i = 0; i <= 12'000; ++i) {
+            const double t = 0.005 * i - kRest_s;
+            Eigen::Vector3d force(0.05, -0.03, 9.81 + 0.08);
+            if (t > 0.0)
+                force.array() += size_m.array() * rate.array().square() * (rate * t).array().cos();
+            imu.push_back(
+                {i * std::int64_t{5'000'000}, Eigen::Vector3d::Zero(), force + 0.03 * three()});
+        }
+        const auto check = scale_by_accelerometer(imu, path);
+        ASSERT_TRUE(check.has_value());
+        sum += std::pow((check->scale - 1.0) / check->sigma, 2.0);
+    }
+    EXPECT_THAT(sum, kAsOfFortyNumbers);  // 238 with equal variances
+}
+
 TEST(AccelerometerFitTest, AGapOfTheImuCostsItsWindowsAlone) {
     std::vector<types::ImuSample> imu = imu_felt(0.03, 1);
     std::erase_if(imu, [](const types::ImuSample& sample) {

@@ -64,6 +64,57 @@ TEST(RestDetectorTest, ARestNeverHidesMoreThanTheNoiseOfOnePose) {
     EXPECT_LT(watched.worst_m, 1.5e-3);
 }
 
+TEST(RestDetectorTest, FeaturesThatFishDragAlongAreNoMotion) {
+    synthetic::World world(2.0, 0.0, 7);
+    RestDetector detector(synthetic::rig());
+    const Eigen::Isometry3d pose = at({1.0, 0.0, 0.0});
+    int num_moved = 0;
+    for (int k = 0; k < 100; ++k) {
+        types::Features seen = world.see(pose, k, 0.03);
+        for (types::Feature& feature : seen)
+            if (k >= 20 && feature.id % 9 < 4) feature.pixel.x() += 0.8;
+        const auto rest = detector.watch(std::int64_t{100'000'000} * k, seen, pose);
+        if (k < 15) continue;
+        ASSERT_TRUE(rest) << k;
+        if (!rest->isApprox(pose)) ++num_moved;
+    }
+    EXPECT_LE(num_moved, 8);
+}
+
+TEST(RestDetectorTest, LightThatShiftsAllFeaturesALittleIsNoMotion) {
+    synthetic::World world(2.0, 0.0, 7);
+    RestDetector detector(synthetic::rig());
+    const Eigen::Isometry3d pose = at({1.0, 0.0, 0.0});
+    int num_moved = 0;
+    for (int k = 0; k < 100; ++k) {
+        types::Features seen = world.see(pose, k, 0.02);
+        const double shift_px = 0.05 * world.normal();
+        for (types::Feature& feature : seen) feature.pixel.x() += shift_px;
+        const auto rest = detector.watch(std::int64_t{100'000'000} * k, seen, pose);
+        if (k < 20) continue;
+        ASSERT_TRUE(rest) << k;
+        if (!rest->isApprox(pose)) ++num_moved;
+    }
+    EXPECT_LE(num_moved, 8);
+}
+
+TEST(RestDetectorTest, ARestGoesOnWhereTheMapIsCorrected) {
+    synthetic::World world(2.0, 0.0, 7);
+    RestDetector detector(synthetic::rig());
+    const Eigen::Isometry3d pose = at({1.0, 0.0, 0.0});
+    const Eigen::Isometry3d corrected = at({1.1, 0.02, -0.03});
+    for (int k = 0; k < 60; ++k) {
+        const auto rest = detector.watch(std::int64_t{100'000'000} * k,
+                                         world.see(pose, k, kNoise_px),
+                                         k <= 30 ? pose : corrected);
+        if (k == 30) detector.correct(corrected);
+        if (k <= 30) continue;
+        ASSERT_TRUE(rest) << k;
+        EXPECT_LT((rest->translation() - corrected.translation()).norm(), 1e-3) << k;
+        EXPECT_LT(detector.began_ns(), 1'000'000'000) << k;
+    }
+}
+
 // Returns features in which two thirds swim to the right by a third of a pixel per frame.
 types::Features with_fish(types::Features seen, int frame) {
     for (std::size_t i = 0; i < seen.size(); ++i)

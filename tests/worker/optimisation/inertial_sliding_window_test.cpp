@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <numbers>
+#include <optional>
 
 #include "tests/synthetic/inertial_motion.hpp"
 #include "tests/synthetic/pose_near.hpp"
@@ -33,7 +34,9 @@ struct Swim {
 
     // `first_id` is added to the ids of the features, so that none of them is known if the camera
     // looks elsewhere.
-    void add_keyframe(double t_s, std::int64_t first_id = 0) {
+    void add_keyframe(double t_s,
+                      std::int64_t first_id = 0,
+                      const std::optional<types::MotionSigma>& at_rest = std::nullopt) {
         if (window.empty()) window = SlidingWindow(synthetic::rig(), inertial().noise());
         const auto now_ns = std::llround(1e9 * t_s);
         const std::int64_t before_ns =
@@ -42,14 +45,15 @@ struct Swim {
         if (!window.empty()) {
             T_world_cam = window.T_world_cam() *
                           truth(1e-9 * static_cast<double>(before_ns)).inverse() * truth(t_s);
-            T_world_cam.translate(0.004 * Eigen::Vector3d(world.normal(), world.normal(), 0.0));
+            if (!at_rest)
+                T_world_cam.translate(0.004 * Eigen::Vector3d(world.normal(), world.normal(), 0.0));
         }
         types::Features features = world.see(kTilt.conjugate() * truth(t_s), 0, kNoise_px);
         for (types::Feature& feature : features) feature.id += first_id;
         imu::InertialPrior sensors = inertial();
         if (!window.empty()) sensors.set_bias(window.state().bias, 1e-3);
         window.add_keyframe(
-            {0, now_ns, T_world_cam}, features, sensors.readings(before_ns, now_ns));
+            {0, now_ns, T_world_cam}, features, sensors.readings(before_ns, now_ns), at_rest);
         window.adjust();
     }
 
@@ -115,6 +119,21 @@ TEST(InertialSlidingWindowTest, DoesNotRunAwayWhenAllFeaturesChangeWhileItStands
     swim.add_keyframe(6.4, 100'000);
 
     EXPECT_THAT(swim.window.T_world_cam(), IsPoseWithin(T_arrived, 0.3, 0.02));
+}
+
+TEST(InertialSlidingWindowTest, ARestHoldsKeyframesTogetherThatShareNoFeature) {
+    Swim swim(swim_and_stand, 42.0);
+    for (int k = 0; k <= 12; ++k) swim.add_keyframe(0.4 * k);
+    swim.add_keyframe(6.0);
+    const Eigen::Isometry3d T_arrived = swim.window.T_world_cam();
+    swim.window.set_at_rest();
+    for (int k = 1; k <= 5; ++k) {  // readings of more than eight seconds are not integrated
+        swim.add_keyframe(6.0 + 7.0 * k, 100'000 * k, types::MotionSigma{0.001, 0.0005});
+        swim.window.set_at_rest();
+    }
+
+    EXPECT_THAT(swim.window.T_world_cam(), IsPoseWithin(T_arrived, 0.1, 0.004));
+    EXPECT_LT(swim.window.state().velocity_world.norm(), 0.02);
 }
 
 }  // namespace

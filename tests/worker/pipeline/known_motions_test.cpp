@@ -50,6 +50,15 @@ TEST_F(KnownMotionsTest, ARestBetweenTwoKeyframesConnectsThem) {
     EXPECT_NEAR(known[0].sigma_rad, std::sqrt(2.0) * 0.003, 1e-12);
 }
 
+TEST_F(KnownMotionsTest, ARestConnectsAllKeyframesWithinIt) {
+    track_.rests[0].to_ns = 25 * kSecond_ns;
+    const auto known = motions();
+    ASSERT_EQ(known.size(), 2U);
+    EXPECT_EQ(known[0].to, 1U);
+    EXPECT_EQ(known[1].to, 2U);
+    EXPECT_NEAR(known[1].sigma_m, std::sqrt(2.0) * 0.002, 1e-12);
+}
+
 TEST_F(KnownMotionsTest, ARestThatEndsLongBeforeTheNextKeyframeDoesNotConnectThem) {
     track_.rests[0].to_ns = 7 * kSecond_ns;
     EXPECT_TRUE(motions().empty());
