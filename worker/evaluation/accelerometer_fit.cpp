@@ -416,7 +416,7 @@ std::optional<AccelerometerFit> fit_accelerometer(const std::vector<types::ImuSa
     const double sigma = std::sqrt(variance_of_scale(evidence, covariance(0, 0), widening));
     return AccelerometerFit{{1.0 / shared[0], sigma / (shared[0] * shared[0])},
                             shared.segment<3>(1),
-                            covariance.block<3, 3>(1, 1),
+                            widening * widening * covariance.block<3, 3>(1, 1),
                             num};
 }
 
