@@ -37,6 +37,7 @@ constexpr Row kRows[] = {
     {"rig_moved",                   "scale"},
     {"alignment_not_converged",     "scale"},
     {"calibration_medium",          "scale"},
+    {"calibration_resized",         "scale"},
     {"water_not_stated",            "scale"},
     {"scale_untested",              "scale"},
     {"scale_uncertain",             "scale"},

@@ -10,6 +10,7 @@
 #include "worker/base/parallel.hpp"
 #include "worker/base/rotation_vector.hpp"
 #include "worker/base/seconds.hpp"
+#include "worker/base/text.hpp"
 #include "worker/camera/rectified_lens.hpp"
 #include "worker/dive/mounting_check.hpp"
 #include "worker/dive/stamp_check.hpp"
@@ -26,6 +27,8 @@ constexpr int kMaxWidth_px = 960;          // of the images that are compared
 constexpr double kMaxEpipolarError_px = 3.0;
 constexpr double kMaxReprojectionError_px = 2.0;
 constexpr double kMaxSwappedError_px = 0.5;  // beyond that of the images as they are
+constexpr double kMinFlippedError_px = 2.0;
+constexpr double kMaxFlippedError_px = 0.4;
 constexpr double kMaxInterval_s = 0.5;
 constexpr double kMinRotation_rad = 3.0 * base::kRadPerDeg;
 constexpr int kMinPoints = 25;
@@ -121,6 +124,16 @@ StereoPoint triangulate(const StereoRays& rays, const cv::Point2f& left, const c
     return point;
 }
 
+// Returns where the pixel is if the image of this camera is mirrored from left to right.
+cv::Point2f mirrored_px(const cv::Point2f& pixel, const types::Camera& camera) {
+    return {static_cast<float>(camera.width_px - 1) - pixel.x, pixel.y};
+}
+
+// Returns where the pixel is if the image of this camera is mirrored from top to bottom.
+cv::Point2f flipped_px(const cv::Point2f& pixel, const types::Camera& camera) {
+    return {pixel.x, static_cast<float>(camera.height_px - 1) - pixel.y};
+}
+
 types::Rig swapped(const types::Rig& rig) {
     types::Rig result = rig;
     std::swap(result.cam0, result.cam1);
@@ -131,11 +144,36 @@ types::Rig swapped(const types::Rig& rig) {
 // Returns by what whole number images of a width are reduced.
 int reduction_of(int width_px) { return std::max(1, (width_px + kMaxWidth_px - 1) / kMaxWidth_px); }
 
+// The points of images that are read in one way.
+class StereoPoints {
+public:
+    void add(const StereoPoint& point) { points_.push_back(point); }
+    void add(const StereoPoints& other) {
+        points_.insert(points_.end(), other.points_.begin(), other.points_.end());
+    }
+    std::ptrdiff_t size() const { return std::ssize(points_); }
+    std::ptrdiff_t num_behind() const {
+        return std::ranges::count_if(
+            points_, [](const StereoPoint& point) { return point.inverse_depth < -0.01; });
+    }
+    double median_error_px() const {
+        std::vector<double> errors_px;
+        errors_px.reserve(points_.size());
+        for (const StereoPoint& point : points_) errors_px.push_back(point.epipolar_error_px);
+        return stats::upper_median(std::move(errors_px));
+    }
+
+private:
+    std::vector<StereoPoint> points_;
+};
+
 // What the images of a moment show.
 struct Seen {
     MountingCheck mounting;
-    std::vector<StereoPoint> stereo;
-    std::vector<StereoPoint> stereo_swapped;  // with the images of the cameras swapped
+    StereoPoints stereo;
+    StereoPoints swapped;   // with the images of the cameras swapped
+    StereoPoints mirrored;  // with both images mirrored from left to right
+    StereoPoints flipped;   // with both images mirrored from top to bottom
     std::optional<RotationPair> rotation;
 };
 
@@ -194,8 +232,14 @@ private:
             const cv::Point2f corner = recorded_px(corners[i]);
             const cv::Point2f other = recorded_px(in_right[i]);
             const StereoPoint point = triangulate(rays_, corner, other);
-            seen.stereo.push_back(point);
-            seen.stereo_swapped.push_back(triangulate(swapped_rays_, corner, other));
+            seen.stereo.add(point);
+            seen.swapped.add(triangulate(swapped_rays_, corner, other));
+            seen.mirrored.add(triangulate(rays_,
+                                          mirrored_px(corner, contents_.rig.cam0),
+                                          mirrored_px(other, contents_.rig.cam1)));
+            seen.flipped.add(triangulate(rays_,
+                                         flipped_px(corner, contents_.rig.cam0),
+                                         flipped_px(other, contents_.rig.cam1)));
             if (!found[i] || point.epipolar_error_px > kMaxEpipolarError_px * reduction_ ||
                 point.inverse_depth < 0.02)
                 continue;
@@ -243,40 +287,60 @@ private:
 
     void add(const Seen& seen) {
         mounting_.add(seen.mounting);
-        stereo_.insert(stereo_.end(), seen.stereo.begin(), seen.stereo.end());
-        stereo_swapped_.insert(
-            stereo_swapped_.end(), seen.stereo_swapped.begin(), seen.stereo_swapped.end());
+        stereo_.add(seen.stereo);
+        swapped_.add(seen.swapped);
+        mirrored_.add(seen.mirrored);
+        flipped_.add(seen.flipped);
         if (seen.rotation) rotations_.push_back(*seen.rotation);
     }
 
+    // Returns whether points lie in front of the cameras, no farther off their rows, if the images
+    // are read in this way.
+    bool fits_as(const StereoPoints& read) const {
+        return read.num_behind() * 5 < stereo_.size() &&
+               read.median_error_px() <
+                   stereo_.median_error_px() + kMaxSwappedError_px * reduction_;
+    }
+
     void report_stereo() {
-        if (std::ssize(stereo_) < std::ptrdiff_t{4} * kMinPoints) return;
-        const auto median_error_px = [](const std::vector<StereoPoint>& points) {
-            std::vector<double> errors_px;
-            errors_px.reserve(points.size());
-            for (const StereoPoint& point : points) errors_px.push_back(point.epipolar_error_px);
-            return stats::upper_median(std::move(errors_px));
-        };
-        const auto num_behind = [](const std::vector<StereoPoint>& points) {
-            return std::count_if(points.begin(), points.end(), [](const StereoPoint& point) {
-                return point.inverse_depth < -0.01;
-            });
-        };
-        const double error_px = median_error_px(stereo_);
-        const double swapped_error_px = median_error_px(stereo_swapped_);
-        const auto behind = num_behind(stereo_);
-        if (behind * 2 > std::ssize(stereo_) &&
-            num_behind(stereo_swapped_) * 5 < std::ssize(stereo_) &&
-            swapped_error_px < error_px + kMaxSwappedError_px * reduction_)
+        if (stereo_.size() < std::ptrdiff_t{4} * kMinPoints) return;
+        const std::ptrdiff_t num_behind = stereo_.num_behind();
+        if (num_behind * 2 <= stereo_.size()) return report_flipped();
+        const std::string seen = std::to_string(num_behind) + " of " +
+                                 std::to_string(stereo_.size()) +
+                                 " points would lie behind the cameras, ";
+        if (fits_as(swapped_))
             return findings_.error(
                 "cameras_swapped",
                 "mav0/cam0/data",
-                std::to_string(behind) + " of " + std::to_string(stereo_.size()) +
-                    " points would lie behind the cameras, so the left and right images seem to be "
-                    "swapped",
+                seen + "so the left and right images seem to be swapped",
                 "Swap the folders: cam0 is the left camera, cam1 the right one. If the recorder "
                 "turned both images by 180 degrees because the rig was upside down, turn them back "
                 "instead.");
+        if (fits_as(mirrored_))
+            findings_.error("camera_turned",
+                            "mav0/cam0/data",
+                            seen + "but not if both images are mirrored from left to right",
+                            "Mirror the images of both cameras back (ffmpeg -vf hflip), or "
+                            "calibrate with mirrored images.");
+    }
+
+    // Images that are both mirrored from top to bottom give depths, but rows that fit only the
+    // mirrored calibration. A rig whose cameras moved may do so by chance, so this is a warning.
+    void report_flipped() {
+        const double error_px = stereo_.median_error_px();
+        const double flipped_error_px = flipped_.median_error_px();
+        if (error_px < kMinFlippedError_px * reduction_ ||
+            flipped_error_px > kMaxFlippedError_px * reduction_)
+            return;
+        findings_.warning("camera_turned",
+                          "mav0/cam0/data",
+                          "matching points in the left and right images lie " +
+                              base::fixed(error_px, 1) + " px off their rows, and " +
+                              base::fixed(flipped_error_px, 1) +
+                              " px if both images are mirrored from top to bottom",
+                          "If the images are upside down, flip those of both cameras (ffmpeg -vf "
+                          "vflip): a model of flipped images is a mirror image of the scene.");
     }
 
     const DiveContents& contents_;
@@ -287,8 +351,10 @@ private:
     const StereoRays rays_{contents_.rig};
     const StereoRays swapped_rays_{swapped(contents_.rig)};
     MountingCheck mounting_;
-    std::vector<StereoPoint> stereo_;
-    std::vector<StereoPoint> stereo_swapped_;  // with the images of the cameras swapped
+    StereoPoints stereo_;
+    StereoPoints swapped_;
+    StereoPoints mirrored_;
+    StereoPoints flipped_;
     std::vector<RotationPair> rotations_;
 };
 

@@ -10,6 +10,7 @@
 #include "worker/dive/entry_name.hpp"
 #include "worker/dive/gravity_check.hpp"
 #include "worker/dive/image_checks.hpp"
+#include "worker/dive/image_size.hpp"
 #include "worker/dive/motion_check.hpp"
 #include "worker/dive/stamp_check.hpp"
 #include "worker/io/ply.hpp"
@@ -35,7 +36,9 @@ base::ProgressCallback throttled(const base::ProgressCallback& progress) {
 }
 
 std::string remedy_for(const std::string& code) {
-    if (code == "image_size") return "Record with the resolution of the calibration.";
+    if (code == "image_size")
+        return "State the calibration of images of this size in sensor.yaml, or record with the "
+               "resolution of the calibration.";
     if (code == "image_missing") return "Copy the recording again and compare the number of files.";
     if (code == "image_repeated")
         return "Record at a constant frame rate, and check the camera's connection.";
@@ -82,6 +85,7 @@ StoredDive::StoredDive(const std::filesystem::path& path,
       contents_(read_contents(files_, limits, findings_)),
       reader_(0, kPrefetchedPairs, {}) {
     report_other_dives();
+    adapt_to_image_size(files_, contents_, findings_);
     pair_images();
     check_coverage(contents_, findings_);
     check_mesh(kReferenceMesh);

@@ -117,8 +117,9 @@ Finding inconsistent_finding(const types::RigAlignment& alignment) {
                 " points found in left and right images, " + std::to_string(alignment.num_inliers) +
                 " fit one position of the cameras, and the rows of a pair differ by " +
                 base::fixed(alignment.pair_error_px, 1) + " px (RMS) from pair to pair",
-            "Check that both cameras expose at the same time, that both images are sharp, and that "
-            "the cameras cannot move against each other."};
+            "Check that both cameras expose at the same time, that both images are sharp, that "
+            "image stabilisation is off in both cameras, and that they cannot move against each "
+            "other."};
 }
 
 Finding unmatched_finding(const types::RigAlignment& alignment) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <functional>
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
@@ -57,7 +58,7 @@ public:
         const auto sample = static_cast<std::size_t>(frame * kSamplesPerFrame);
         const Eigen::Matrix3d R_world_cam = orientations_[sample].toRotationMatrix() * R_imu_cam_;
         const Eigen::Vector3d p_world = R_world_cam * Eigen::Vector3d(camera * kBaseline_m, 0, 0);
-        const types::Camera& lens = contents.rig.cam0;
+        const types::Camera& lens = camera == 0 ? contents.rig.cam0 : contents.rig.cam1;
         Eigen::Matrix3d ray_from_px;
         ray_from_px << 1.0 / lens.fx_px, 0, -lens.cx_px / lens.fx_px, 0, 1.0 / lens.fy_px,
             -lens.cy_px / lens.fy_px, 0, 0, 1;
@@ -111,21 +112,29 @@ private:
     std::vector<Eigen::Quaterniond> orientations_;  // of the imu in the world, by sample
 };
 
-// `left`: the camera whose images are those of cam0.
-std::vector<Finding> findings_of(const Swim& swim, int left = 0) {
+// `image_of` returns the image of a camera at a frame.
+std::vector<Finding> findings_of(const Swim& swim,
+                                 const std::function<cv::Mat(int camera, int frame)>& image_of) {
     FindingLog log;
     check_motion(
         swim.contents,
         [&](int index, Eyes eyes) {
             LoadedPair pair;
             pair.index = index;
-            pair.left.image = swim.seen_by(left, index);
-            if (eyes == Eyes::Both) pair.right.image = swim.seen_by(1 - left, index);
+            pair.left.image = image_of(0, index);
+            if (eyes == Eyes::Both) pair.right.image = image_of(1, index);
             return pair;
         },
         base::ignore_progress,
         log);
     return log.all();
+}
+
+// `left`: the camera whose images are those of cam0.
+std::vector<Finding> findings_of(const Swim& swim, int left = 0) {
+    return findings_of(swim, [&](int camera, int frame) {
+        return swim.seen_by(camera == 0 ? left : 1 - left, frame);
+    });
 }
 
 // The larger images are compared at half their size.
@@ -138,6 +147,41 @@ TEST_P(MotionCheckTest, ARigAsCalibratedGetsNoFinding) {
 TEST_P(MotionCheckTest, SwappedImagesAreNamed) {
     EXPECT_THAT(findings_of(Swim(GetParam()), 1),
                 HasFinding(Severity::Error, "cameras_swapped", "behind the cameras"));
+}
+
+TEST_P(MotionCheckTest, ImagesThatAreBothMirroredAreNamed) {
+    Swim swim(GetParam());
+    swim.contents.rig.cam1.cy_px += 8.0;  // mirrored images keep their rows, swapped ones do not
+    EXPECT_TRUE(findings_of(swim).empty());
+    const auto mirrored = [&](int camera, int frame) {
+        cv::Mat image;
+        cv::flip(swim.seen_by(camera, frame), image, 1);
+        return image;
+    };
+    EXPECT_THAT(findings_of(swim, mirrored),
+                HasFinding(Severity::Error, "camera_turned", "both images are mirrored"));
+}
+
+TEST_P(MotionCheckTest, ImagesThatAreBothUpsideDownAreNamed) {
+    Swim swim(GetParam());
+    swim.contents.rig.cam1.cy_px += 8.0;
+    const auto flipped = [&](int camera, int frame) {
+        cv::Mat image;
+        cv::flip(swim.seen_by(camera, frame), image, 0);
+        return image;
+    };
+    EXPECT_THAT(findings_of(swim, flipped),
+                HasFinding(Severity::Warning, "camera_turned", "from top to bottom"));
+}
+
+TEST_P(MotionCheckTest, AKnockedCameraIsNotTakenForFlippedImages) {
+    Swim swim(GetParam());
+    swim.contents.rig.cam1.cy_px += 8.0;
+    const Swim as_recorded = swim;
+    swim.contents.rig.cam1.cy_px += 6.0;  // the calibration of another day
+    const auto findings = findings_of(
+        swim, [&](int camera, int frame) { return as_recorded.seen_by(camera, frame); });
+    EXPECT_THAT(findings, testing::Not(HasFinding(Severity::Warning, "camera_turned", "")));
 }
 
 TEST_P(MotionCheckTest, AnInvertedMountingIsNamed) {
