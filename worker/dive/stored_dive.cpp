@@ -1,8 +1,6 @@
 #include "worker/dive/stored_dive.hpp"
 
 #include <chrono>
-#include <cstring>
-#include <opencv2/core.hpp>
 #include <utility>
 
 #include "worker/base/seconds.hpp"
@@ -20,7 +18,7 @@ namespace {
 
 constexpr int kPrefetchedPairs = 3;
 constexpr int kImagesProbed = 5;
-constexpr double kMinDeviation = 2.0;  // grey values; less is water, or a lens cap
+constexpr int kNumFirstPairs = 9;
 constexpr const char* kReferenceMesh = "reference.ply";
 constexpr const char* kSceneMesh = "scene.ply";
 
@@ -41,23 +39,8 @@ std::string remedy_for(const std::string& code) {
                "resolution of the calibration.";
     if (code == "image_missing") return "Copy the recording again and compare the number of files.";
     if (code == "image_repeated")
-        return "Record at a constant frame rate, and check the camera's connection.";
+        return "Record at a constant frame rate, that of the camera, and check its connection.";
     return "The dive runs without this frame. If you need it, copy or convert the image.";
-}
-
-// Returns whether an image with a scene in it is that of the frame before, to the last bit. A
-// camera that looks at the same scene twice shows other noise.
-bool is_repeated(const cv::Mat& before, const cv::Mat& image) {
-    if (image.empty() || before.size() != image.size()) return false;
-    for (int row = 0; row < image.rows; ++row)
-        if (std::memcmp(before.ptr(row),
-                        image.ptr(row),
-                        static_cast<std::size_t>(image.cols) * image.elemSize()) != 0)
-            return false;
-    cv::Scalar mean;
-    cv::Scalar deviation;
-    cv::meanStdDev(image, mean, deviation);
-    return deviation[0] > kMinDeviation;
 }
 
 // Returns whether IMU or AHRS cover the right camera's time and not the left one's.
@@ -176,7 +159,7 @@ void StoredDive::check_first_images() {
 }
 
 std::optional<types::StereoFrame> StoredDive::next_frame() {
-    while (auto pair = reader_.next()) {
+    while (auto pair = next_pair()) {
         if ((pair->left.was_16_bit || pair->right.was_16_bit) && !has_reported_16_bit_) {
             has_reported_16_bit_ = true;
             const FramePair& files = contents_.frames.pairs[static_cast<std::size_t>(pair->index)];
@@ -192,16 +175,42 @@ std::optional<types::StereoFrame> StoredDive::next_frame() {
     return std::nullopt;
 }
 
-// Drops an image that a recorder wrote again as another frame, or that a camera which hangs gave
-// again: it does not show the time of its frame.
+// Reads the first pairs ahead, so that it is known how much the scene moves before one of them is
+// compared with the one before it.
+std::optional<LoadedPair> StoredDive::next_pair() {
+    if (!std::exchange(has_begun_, true)) {
+        std::vector<cv::Mat> left;
+        std::vector<cv::Mat> right;
+        while (std::ssize(first_) < kNumFirstPairs) {
+            auto pair = reader_.next();
+            if (!pair) break;
+            left.push_back(pair->left.image);
+            right.push_back(pair->right.image);
+            first_.push_back(std::move(*pair));
+        }
+        repeated_left_.learn(left);
+        repeated_right_.learn(right);
+    }
+    if (first_.empty()) return reader_.next();
+    LoadedPair pair = std::move(first_.front());
+    first_.pop_front();
+    return pair;
+}
+
 void StoredDive::leave_out_repeated(LoadedPair& pair) {
-    const auto check = [](cv::Mat& before, LoadedImage& now) {
+    const auto check = [](RepeatedImages& repeated, LoadedImage& now) {
         if (now.image.empty()) return;
-        if (is_repeated(std::exchange(before, now.image), now.image))
-            now = {{}, "image_repeated", "it is the image of the frame before, bit by bit", false};
+        const auto kind = repeated.add(now.image);
+        if (kind == RepeatedImages::Kind::No) return;
+        now = {{},
+               "image_repeated",
+               kind == RepeatedImages::Kind::Exact
+                   ? "it is the image of the frame before, bit by bit"
+                   : "it is the image of the frame before, encoded again",
+               false};
     };
-    check(previous_left_, pair.left);
-    check(previous_right_, pair.right);
+    check(repeated_left_, pair.left);
+    check(repeated_right_, pair.right);
 }
 
 std::optional<types::StereoFrame> StoredDive::frame(int index) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <memory>
 #include <set>
 #include <string>
@@ -7,6 +8,7 @@
 
 #include "worker/dive/dive_contents.hpp"
 #include "worker/dive/frame_reader.hpp"
+#include "worker/dive/repeated_images.hpp"
 
 namespace divemesh::dive {
 
@@ -32,8 +34,10 @@ public:
     cv::Mat left_in_color(int frame_index, int reduction) const override;
     void rewind() override {
         reader_.rewind();
-        previous_left_.release();
-        previous_right_.release();
+        first_.clear();
+        has_begun_ = false;
+        repeated_left_ = {};
+        repeated_right_ = {};
     }
     std::int64_t num_skipped_frames() const override { return std::ssize(skipped_); }
 
@@ -63,6 +67,7 @@ private:
     void check_mesh(const char* file);
     void check_first_images();
     types::StereoFrame frame_of(LoadedPair pair) const;
+    std::optional<LoadedPair> next_pair();
     void leave_out_repeated(LoadedPair& pair);
     void report_skipped(const LoadedPair& pair);
 
@@ -70,9 +75,11 @@ private:
     DiveLimits limits_;
     DiveFiles files_;
     DiveContents contents_;
-    FrameReader reader_;     // after the members that its threads use
-    cv::Mat previous_left_;  // of the pair that was loaded last
-    cv::Mat previous_right_;
+    FrameReader reader_;            // after the members that its threads use
+    std::deque<LoadedPair> first_;  // read ahead at the beginning
+    bool has_begun_ = false;
+    RepeatedImages repeated_left_;
+    RepeatedImages repeated_right_;
     std::set<int> skipped_;
     bool has_reported_16_bit_ = false;
     mutable ContentHash content_hash_;  // computed on first use
