@@ -5,12 +5,19 @@
 #include <soci/soci.h>
 #include <string>
 
+#include "storage/dialect.hpp"
+
 namespace divemesh::storage {
 
 // A connection with its prepared statements. Every session that a store sees is one.
 class Session : public soci::session {
 public:
-    using soci::session::session;
+    Session(const Dialect& dialect,
+            const soci::backend_factory& factory,
+            const std::string& connection)
+        : soci::session(factory, connection), dialect_(dialect) {}
+
+    const Dialect& dialect() const { return dialect_; }
 
     // Returns the same object for the same text, as long as the connection lives. `Prepared` is
     // made from (session, sql).
@@ -22,7 +29,12 @@ public:
     }
 
 private:
+    const Dialect& dialect_;
     std::map<std::string, std::shared_ptr<void>> statements_;  // destroyed before the connection
 };
+
+inline const Dialect& dialect_of(const soci::session& session) {
+    return static_cast<const Session&>(session).dialect();
+}
 
 }  // namespace divemesh::storage

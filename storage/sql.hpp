@@ -1,15 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <list>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <soci/soci.h>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "storage/fault_point.hpp"
 #include "storage/session.hpp"
+#include "storage/storable_text.hpp"
 
 // Helpers by which the stores use SOCI. A Row is a struct with define(statement), which binds its
 // members to the columns, and value(), which makes the domain type of them.
@@ -21,17 +24,46 @@ void define_columns(soci::statement& statement, Fields&... fields) {
     (statement.exchange(soci::into(fields)), ...);
 }
 
+// Binds values to a statement, and keeps the ones that the database does not take as they are.
+class Binder {
+public:
+    Binder(soci::session& session, soci::statement& statement)
+        : takes_any_text_(dialect_of(session).text_holds_any_bytes), statement_(statement) {}
+
+    template <typename Use>
+    void bind(const Use& use) {
+        if constexpr (std::is_convertible_v<decltype(use.t), const std::string&>) {
+            if (auto text = takes_any_text_ ? std::nullopt : storable_text(use.t)) {
+                replaced_.push_back(std::move(*text));
+                return statement_.exchange(soci::use(replaced_.back(), use.name));
+            }
+        }
+        statement_.exchange(use);
+    }
+
+private:
+    bool takes_any_text_;
+    soci::statement& statement_;
+    std::list<std::string> replaced_;  // a list, so that they stay where they are
+};
+
+// Prepares the statement for one execution.
+inline void prepare_once(soci::statement& statement, const std::string& sql) {
+    statement.alloc();
+    statement.prepare(sql, soci::details::st_one_time_query);
+    statement.define_and_bind();
+}
+
 // Returns every row of the query. `uses` are soci::use(variable, "name").
 template <typename Row, typename... Uses>
 auto select_all(soci::session& session, const std::string& sql, const Uses&... uses) {
     fault_point();
     Row row;
     soci::statement statement(session);
+    Binder binder(session, statement);
     row.define(statement);
-    (statement.exchange(uses), ...);
-    statement.alloc();
-    statement.prepare(sql);
-    statement.define_and_bind();
+    (binder.bind(uses), ...);
+    prepare_once(statement, sql);
     statement.execute(false);
     std::vector<decltype(row.value())> values;
     while (statement.fetch()) values.push_back(row.value());
@@ -88,10 +120,9 @@ template <typename... Uses>
 long long execute(soci::session& session, const std::string& sql, const Uses&... uses) {
     fault_point();
     soci::statement statement(session);
-    (statement.exchange(uses), ...);
-    statement.alloc();
-    statement.prepare(sql);
-    statement.define_and_bind();
+    Binder binder(session, statement);
+    (binder.bind(uses), ...);
+    prepare_once(statement, sql);
     statement.execute(true);
     return statement.get_affected_rows();
 }
