@@ -17,7 +17,8 @@ namespace divemesh::storage {
 // The database behind all stores: SQLite (WAL, synchronous=FULL) at `sqlite:///path/catalog.db`, on
 // a local disk, or PostgreSQL at `postgresql://user@host/database`. How an engine connects, locks
 // and reports errors is in storage/sqlite_engine and storage/postgresql_engine; storage/engine.hpp
-// says what it promises. Thread-safe: a pool of connections, one per call under way.
+// says what all of them promise.
+// Thread-safe: a pool of connections, one per call under way.
 class Catalog {
 public:
     using Work = std::function<void(soci::session&)>;
@@ -60,8 +61,7 @@ public:
     // may write meanwhile. Throws Error{Unsupported} for PostgreSQL, which has pg_dump.
     void copy_to(const std::string& file);
     // Moves all changes into the catalog's own file, durably, so that the file may be copied or
-    // renamed by itself. Throws Error{Unavailable}, also if another process uses the catalog. A
-    // catalog in PostgreSQL has no file, and is left as it is.
+    // renamed by itself. Throws Error{Unavailable}, also if another process uses the catalog.
     void checkpoint();
 
 private:

@@ -12,6 +12,9 @@ struct Dialect {
     // Whether a column of bytes is a soci::blob. If not, it is written and read as hexadecimal
     // text.
     bool bytes_are_blobs;
+    // Whether a statement stays prepared on its connection, as to plan it takes longer than to run
+    // it.
+    bool keeps_statements;
 };
 
 }  // namespace divemesh::storage

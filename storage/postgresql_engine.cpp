@@ -17,7 +17,8 @@ namespace {
 constexpr Dialect kDialect{
     .clock_query = "SELECT CAST(EXTRACT(EPOCH FROM clock_timestamp()) * 1000 AS BIGINT)",
     .text_holds_any_bytes = false,
-    .bytes_are_blobs = false};
+    .bytes_are_blobs = false,
+    .keeps_statements = true};
 
 // The one writer holds the advisory lock with this number: any number will do that all versions
 // share.

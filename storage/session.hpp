@@ -4,6 +4,8 @@
 #include <memory>
 #include <soci/soci.h>
 #include <string>
+#include <typeindex>
+#include <utility>
 
 #include "storage/dialect.hpp"
 
@@ -19,18 +21,19 @@ public:
 
     const Dialect& dialect() const { return dialect_; }
 
-    // Returns the same object for the same text, as long as the connection lives. `Prepared` is
-    // made from (session, sql).
+    // Returns the same object for the same type and text, as long as the connection lives.
+    // `Prepared` is made from (session, sql).
     template <typename Prepared>
     Prepared& prepared(const std::string& sql) {
-        std::shared_ptr<void>& kept = statements_[sql];
+        std::shared_ptr<void>& kept = statements_[{typeid(Prepared), sql}];
         if (!kept) kept = std::make_shared<Prepared>(*this, sql);
         return *static_cast<Prepared*>(kept.get());
     }
 
 private:
     const Dialect& dialect_;
-    std::map<std::string, std::shared_ptr<void>> statements_;  // destroyed before the connection
+    // Destroyed before the connection.
+    std::map<std::pair<std::type_index, std::string>, std::shared_ptr<void>> statements_;
 };
 
 inline const Dialect& dialect_of(const soci::session& session) {

@@ -17,7 +17,8 @@ constexpr int kBusyTimeoutSeconds = 15;
 constexpr Dialect kDialect{
     .clock_query = "SELECT CAST((julianday('now') - 2440587.5) * 86400000.0 AS INTEGER)",
     .text_holds_any_bytes = true,
-    .bytes_are_blobs = true};
+    .bytes_are_blobs = true,
+    .keeps_statements = false};
 
 sqlite_api::sqlite3* connection_of(soci::session& session) {
     return static_cast<soci::sqlite3_session_backend*>(session.get_backend())->conn_;

@@ -43,10 +43,14 @@ bool PostgresqlServer::is_installed() {
     return !programs().empty() && (geteuid() != 0 || other_user() != nullptr);
 }
 
-PostgresqlServer::PostgresqlServer(const std::vector<std::string>& settings) : settings_(settings) {
+void PostgresqlServer::give(const fs::path& folder) {
     const passwd* user = other_user();
-    if (user != nullptr && chown(folder_.path().c_str(), user->pw_uid, user->pw_gid) != 0)
-        throw std::runtime_error("chown " + folder_.path().string());
+    if (user != nullptr && chown(folder.c_str(), user->pw_uid, user->pw_gid) != 0)
+        throw std::runtime_error("chown " + folder.string());
+}
+
+PostgresqlServer::PostgresqlServer(const std::vector<std::string>& settings) : settings_(settings) {
+    give(folder_.path());
     const pid_t made = start_program({programs() / "initdb",
                                       "--pgdata",
                                       data(),

@@ -30,7 +30,8 @@ public:
 
     void start();           // waits until it answers
     void stop(int signal);  // SIGINT: an orderly end, SIGQUIT: as a crash, SIGKILL: a crash
-    pid_t pid() const { return pid_; }
+    // Gives a folder to the user that the server runs as.
+    static void give(const std::filesystem::path& folder);
     std::filesystem::path data() const { return folder_ / "data"; }
 
     // For servers whose data need not survive the loss of power.

@@ -121,6 +121,17 @@ WHEN ((OLD.state, NEW.state) NOT IN (
     ('cancelled', 'queued')))
 EXECUTE FUNCTION refuse_change('forbidden job transition');
 
+-- Of this engine alone: workers that wait for jobs hear of them (storage/queue_signal.hpp).
+CREATE FUNCTION wake_workers() RETURNS trigger LANGUAGE plpgsql AS $$
+BEGIN
+    PERFORM pg_notify('divemesh_queue', '');
+    RETURN NULL;
+END $$;
+
+CREATE TRIGGER jobs_wake_workers AFTER INSERT OR UPDATE OF state ON jobs FOR EACH ROW
+WHEN (NEW.state = 'queued')
+EXECUTE FUNCTION wake_workers();
+
 CREATE TABLE job_parents (
     job_id    TEXT COLLATE "C" NOT NULL REFERENCES jobs (id),
     parent_id TEXT COLLATE "C" NOT NULL REFERENCES jobs (id),
