@@ -50,6 +50,16 @@ protected:
         server_->run(
             "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = 'catalog'");
     }
+    // With the addresses of both, the server that takes changes is used.
+    void expect_other_server_is_taken() const {
+        const PostgresqlServer primary;
+        primary.run("CREATE DATABASE catalog");
+        const std::string other = primary.url("");
+        Stores stores(server_->url("catalog") + "," + other.substr(other.find("host=") + 5) +
+                      "&target_session_attrs=read-write");
+        stores.finished_upload();
+        EXPECT_EQ(primary.run("SELECT COUNT(*) FROM uploads", "catalog"), "1");
+    }
     std::string error_of(const std::function<void()>& act) {
         try {
             act();
@@ -159,6 +169,7 @@ TEST_F(PostgresqlEngineTest, AStandbyIsReadAndTakesChangesOnceItIsPromoted) {
     EXPECT_THAT(error_of([&] { stores_->jobs_.cancel(job.id); }), HasSubstr("standby"));
     EXPECT_TRUE(throws_code(ErrorCode::Unavailable, [&] { stores_->catalog_.require_writable(); }));
     EXPECT_EQ(Stores(server_->url("catalog")).jobs_.get(job.id).state, JobState::Queued);
+    expect_other_server_is_taken();
     server_->run("SELECT pg_promote()");
     EXPECT_EQ(stores_->jobs_.cancel(job.id).state, JobState::Cancelled);
 }
