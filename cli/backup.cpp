@@ -8,6 +8,7 @@
 #include "cli/exit_code.hpp"
 #include "cli/text.hpp"
 #include "schemas/error.hpp"
+#include "storage/catalog_url.hpp"
 #include "storage/data_id.hpp"
 
 namespace divemesh::cli {
@@ -45,6 +46,10 @@ int back_up(const BackupOptions& options, const Context& context) {
 
 int restore(const BackupOptions& options, const Context& context) {
     std::string catalog = catalog_url(options.data);
+    if (storage::is_postgresql_url(catalog))
+        throw Error(ErrorCode::Unsupported,
+                    "a backup is restored into a catalog in SQLite alone: give --data DIR; one in "
+                    "PostgreSQL is restored with pg_restore (docs/operation.md)");
     const std::string scheme = "sqlite://";
     if (catalog.starts_with(scheme)) catalog.erase(0, scheme.size());
     const auto blobs = storage::open_blob_store(blobs_url(options.data));

@@ -39,8 +39,10 @@ void add_data_options(CLI::App& command, DataOptions& options) {
                        options.existing_only
                            ? "data folder of a server; holds catalog and blobs"
                            : "data folder, created if missing; holds catalog and blobs");
-    command.add_option(
-        "--catalog", options.catalog, "URL of the database: sqlite:///path/catalog.db");
+    command.add_option("--catalog",
+                       options.catalog,
+                       "URL of the database: sqlite:///path/catalog.db or "
+                       "postgresql://user@host/database");
     command.add_option("--blobs", options.blobs, "URL of archives and artifacts: file:///path");
 }
 

@@ -1,6 +1,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
+#include <cstdlib>
 #include <functional>
 #include <iostream>
 #include <optional>
@@ -17,19 +18,28 @@
 #include "server/server.hpp"
 #include "server/worker_supervisor.hpp"
 #include "storage/catalog.hpp"
+#include "storage/catalog_url.hpp"
 
 namespace divemesh::server {
 namespace {
 
+// Hands a URL that may hold a password to the workers in the environment, because every user of the
+// machine can read the arguments of a process.
+void hand_on_catalog(const ServerConfig& config) {
+    if (storage::is_postgresql_url(config.catalog_url))
+        setenv("DIVEMESH_CATALOG", config.catalog_url.c_str(), 1);
+}
+
 std::vector<std::string> worker_command(const ServerConfig& config) {
-    return {"/proc/self/exe",
-            "worker",
-            "--catalog",
-            config.catalog_url,
-            "--blobs",
-            config.blobs_url,
-            "--min-free",
-            std::to_string(config.min_free_bytes)};
+    std::vector<std::string> command = {"/proc/self/exe",
+                                        "worker",
+                                        "--blobs",
+                                        config.blobs_url,
+                                        "--min-free",
+                                        std::to_string(config.min_free_bytes)};
+    if (!storage::is_postgresql_url(config.catalog_url))
+        command.insert(command.end(), {"--catalog", config.catalog_url});
+    return command;
 }
 
 // Calls `stop` on a thread of its own at the first SIGTERM or SIGINT, `reload` at each SIGHUP.
@@ -110,6 +120,7 @@ void run_server(const ServerConfig& config) {
     check_config(config);
     std::signal(SIGXFSZ, SIG_IGN);  // a file that cannot grow becomes an error of write()
     start_log();
+    hand_on_catalog(config);  // before there are threads
     ServerConfig fitting = config;
     fitting.max_connections = raise_open_files(config.max_connections);
     Server server(fitting);

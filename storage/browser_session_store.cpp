@@ -45,8 +45,10 @@ CreatedSession insert(soci::session& session, const Token& token, std::int64_t n
     execute(session,
             "DELETE FROM browser_sessions WHERE token_id = :token AND secret_sha256 NOT IN"
             " (SELECT secret_sha256 FROM browser_sessions WHERE token_id = :token"
-            "  ORDER BY created_at_ms DESC, rowid DESC LIMIT 100)",
-            soci::use(token.id, "token"));
+            "  ORDER BY created_at_ms DESC, CASE WHEN secret_sha256 = :hash THEN 0 ELSE 1 END"
+            "  LIMIT 100)",
+            soci::use(token.id, "token"),
+            soci::use(hash, "hash"));
     return created;
 }
 

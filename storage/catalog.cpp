@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "schemas/error.hpp"
+#include "storage/catalog_url.hpp"
 #include "storage/engine.hpp"
 #include "storage/fault_point.hpp"
-#include "storage/migrations.hpp"
 
 namespace divemesh::storage {
 namespace {
@@ -18,9 +18,11 @@ constexpr std::size_t kMaxConnections = 16;
 std::unique_ptr<Engine> make_engine(const std::string& url, Opening opening) {
     static const std::string kSqlite = "sqlite://";
     if (url.starts_with(kSqlite)) return make_sqlite_engine(url.substr(kSqlite.size()), opening);
+    if (is_postgresql_url(url)) return make_postgresql_engine(url);
     if (url.find("://") == std::string::npos) return make_sqlite_engine(url, opening);
     throw Error(ErrorCode::InvalidArgument,
-                "cannot use the catalog " + url + ": give sqlite:///path/catalog.db");
+                "cannot use the catalog " + url +
+                    ": give sqlite:///path/catalog.db or postgresql://user@host/database");
 }
 
 // The idle connections. A call takes one, or waits if too many are in use.
@@ -90,7 +92,7 @@ public:
             try {
                 engine_.end(*session_, "ROLLBACK");
             } catch (const std::exception&) {
-                session_.reset();  // SQLite rolled back by itself, or the connection is broken
+                session_.reset();  // SQLite rolled back by itself, or the connection is lost
             }
         }
         if (session_ && !may_wait_) engine_.set_may_wait(*session_, true);
@@ -100,7 +102,21 @@ public:
     Transaction& operator=(const Transaction&) = delete;
 
     soci::session& session() { return *session_; }
-    void begun() { open_ = true; }
+
+    // An idle connection may have been lost, as by a restart of the database. Nothing has happened
+    // on it yet, so a new one takes its place.
+    template <typename Begin>
+    void begin(const Begin& begin) {
+        try {
+            begin(*session_);
+        } catch (const soci::soci_error&) {
+            if (!engine_.is_lost(*session_)) throw;
+            session_.reset();
+            session_ = engine_.connect();
+            begin(*session_);
+        }
+        open_ = true;
+    }
     void commit() {
         fault_point();
         engine_.end(*session_, "COMMIT");
@@ -119,15 +135,14 @@ private:
 }  // namespace
 
 struct Catalog::Implementation {
-    Implementation(const std::string& catalog_url, Opening opening)
-        : url(catalog_url), engine(make_engine(url, opening)), pool(*engine) {}
+    Implementation(const std::string& url, Opening opening)
+        : shown_url(without_password(url)), engine(make_engine(url, opening)), pool(*engine) {}
 
     template <typename Begin>
     void run(bool may_wait, const Begin& begin, const Work& work) {
         try {
             Transaction transaction(*engine, pool, may_wait);
-            begin(transaction.session());
-            transaction.begun();
+            transaction.begin(begin);
             work(transaction.session());
             transaction.commit();
         } catch (const soci::soci_error& error) {
@@ -150,7 +165,7 @@ struct Catalog::Implementation {
     bool is_current();
     void migrate(soci::session& session, Opening opening) const;
 
-    std::string url;
+    std::string shown_url;
     std::unique_ptr<Engine> engine;
     Pool pool;
 };
@@ -163,7 +178,7 @@ bool Catalog::Implementation::is_current() {
         run(true, begin, [&](soci::session& session) {
             session << "SELECT COALESCE(MAX(version), 0) FROM schema_version", soci::into(version);
         });
-        return version == static_cast<int>(migrations().size());
+        return version == engine->migrations().newest_version();
     } catch (const soci::soci_error&) {
         return false;  // the table does not exist yet
     }
@@ -171,18 +186,16 @@ bool Catalog::Implementation::is_current() {
 
 // If two processes start at the same time, the second waits for the transaction of the first.
 void Catalog::Implementation::migrate(soci::session& session, Opening opening) const {
-    int has_versions = 0;
-    session << "SELECT COUNT(*) FROM sqlite_master WHERE name = 'schema_version'",
-        soci::into(has_versions);
-    if (has_versions == 0 && opening == Opening::ExistingOnly)
+    if (opening == Opening::ExistingOnly && !engine->has_table(session, "schema_version"))
         throw Error(ErrorCode::Unavailable,
-                    url +
+                    shown_url +
                         " is a database, but not a catalog: give the --catalog or "
                         "--data of the server");
     session << "CREATE TABLE IF NOT EXISTS schema_version (version INTEGER NOT NULL)";
     int version = 0;
     session << "SELECT COALESCE(MAX(version), 0) FROM schema_version", soci::into(version);
-    const int newest = static_cast<int>(migrations().size());
+    const Migrations migrations = engine->migrations();
+    const int newest = migrations.newest_version();
     if (version > newest)
         throw Error(
             ErrorCode::Conflict,
@@ -190,8 +203,9 @@ void Catalog::Implementation::migrate(soci::session& session, Opening opening) c
                 ", this version knows " + std::to_string(newest) +
                 "): install the newer version, or restore a backup made before the upgrade");
     if (version == newest) return;
-    for (int next = version; next < newest; ++next)
-        engine->run_script(session, migrations()[static_cast<std::size_t>(next)]);
+    for (int next = std::max(version + 1, migrations.first_version); next <= newest; ++next)
+        engine->run_script(
+            session, migrations.scripts[static_cast<std::size_t>(next - migrations.first_version)]);
     session << "DELETE FROM schema_version";
     session << "INSERT INTO schema_version (version) VALUES (:version)", soci::use(newest);
 }
@@ -246,13 +260,15 @@ void Catalog::transaction(const Work& work) {
 
 void Catalog::read(const Work& work) {
     const Engine& engine = *implementation_->engine;
+    if (!may_wait_ && !engine.is_local())
+        throw Error(ErrorCode::Unavailable, "the catalog is read across a network: wait for it");
     const auto begin = [&](soci::session& session) { engine.begin_read(session); };
     implementation_->run(may_wait_, begin, work);
 }
 
 std::int64_t Catalog::now_ms(soci::session& session) {
     std::int64_t now_ms = 0;
-    session << clock_query(session), soci::into(now_ms);
+    session << dialect_of(session).clock_query, soci::into(now_ms);
     return now_ms;
 }
 
@@ -266,7 +282,7 @@ int Catalog::schema_version() {
 
 void Catalog::require_writable() {
     const int version = schema_version();
-    const auto newest = static_cast<int>(migrations().size());
+    const int newest = implementation_->engine->migrations().newest_version();
     if (version != newest)
         throw Error(ErrorCode::Unavailable,
                     "its schema is " + std::to_string(version) + ", but this version needs " +

@@ -15,10 +15,10 @@ class session;
 namespace divemesh::storage {
 
 // The database behind all stores: SQLite (WAL, synchronous=FULL) at `sqlite:///path/catalog.db`, on
-// a local disk. It is the only engine. How it connects, locks and reports errors is in
-// storage/sqlite_engine. The migrations are in its dialect (STRICT, RAISE, json_each), and so are
-// some statements (last_insert_rowid): a second engine has to change these too. Thread-safe: a pool
-// of connections, one per call under way.
+// a local disk, or PostgreSQL at `postgresql://user@host/database`. How an engine connects, locks
+// and reports errors is in storage/sqlite_engine and storage/postgresql_engine; storage/engine.hpp
+// says what all of them promise.
+// Thread-safe: a pool of connections, one per call under way.
 class Catalog {
 public:
     using Work = std::function<void(soci::session&)>;
@@ -32,8 +32,8 @@ public:
     Catalog& operator=(const Catalog&) = delete;
 
     // Returns the same catalog for callers that must not wait. Its read() throws Error{Unavailable}
-    // where it would wait for a connection or for another process; its transaction() always throws
-    // it.
+    // where it would wait for a connection, for another process or, with PostgreSQL always, for a
+    // network; its transaction() always throws it.
     Catalog read_nonblocking() const;
     // Opens connections until there are `num_connections` (16 at most): one for each thread that
     // reads, so that read_nonblocking() finds an idle one.
@@ -58,7 +58,7 @@ public:
     // those of this version, and what a failed write throws.
     void require_writable();
     // Writes a consistent copy of the current state to a file that does not exist yet; other calls
-    // may write meanwhile.
+    // may write meanwhile. Throws Error{Unsupported} for PostgreSQL, which has pg_dump.
     void copy_to(const std::string& file);
     // Moves all changes into the catalog's own file, durably, so that the file may be copied or
     // renamed by itself. Throws Error{Unavailable}, also if another process uses the catalog.

@@ -114,8 +114,9 @@ void insert(soci::session& session, const SensorRecord& sensor, const SensorComm
             soci::use(command.created_at_ms, "created"),
             soci::use(command.expires_at_ms, "expires"));
     execute(session,
-            "DELETE FROM sensor_commands WHERE number IN (SELECT number FROM sensor_commands"
-            " WHERE sensor = :sensor ORDER BY number DESC LIMIT -1 OFFSET :kept)",
+            "DELETE FROM sensor_commands WHERE sensor = :sensor AND number <= (SELECT number"
+            " FROM sensor_commands WHERE sensor = :sensor ORDER BY number DESC"
+            " LIMIT 1 OFFSET :kept)",
             soci::use(sensor.number, "sensor"),
             soci::use(kMaxKept, "kept"));
 }
@@ -231,11 +232,11 @@ void end_command(soci::session& session,
 }
 
 bool has_late_commands(soci::session& session, std::int64_t now_ms) {
-    int is_any = 0;
-    session << "SELECT EXISTS (SELECT 1 FROM sensor_commands WHERE " + kIsOpen +
-                   " AND expires_at_ms <= :now)",
-        soci::into(is_any), soci::use(now_ms, "now");
-    return is_any != 0;
+    return select_one<TextRow>(session,
+                               "SELECT id FROM sensor_commands WHERE " + kIsOpen +
+                                   " AND expires_at_ms <= :now LIMIT 1",
+                               soci::use(now_ms, "now"))
+        .has_value();
 }
 
 void end_late_commands(soci::session& session, std::int64_t now_ms) {

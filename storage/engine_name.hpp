@@ -6,7 +6,7 @@
 
 namespace divemesh::storage {
 
-// Returns the kind of database behind a catalog: "sqlite".
+// Returns the kind of database behind a catalog: "sqlite" or "postgresql".
 std::string engine_name(Catalog& catalog);
 
 }  // namespace divemesh::storage

@@ -29,7 +29,7 @@ constexpr const char* kLogCut = "\n[the log was cut off here]\n";
 // A retry is never due later than :max_pause from now. If it seems so, the clock was set back.
 const std::string kStartable =
     " FROM jobs WHERE state = 'queued'"
-    " AND (not_before_ms <= :now OR not_before_ms > :now + :max_pause)"
+    " AND (not_before_ms <= :now OR not_before_ms - :max_pause > :now)"
     " AND '' NOT IN " +
     kPausedQueues + " AND project NOT IN " + kPausedQueues +
     " AND (kind = 'intake' OR ('' NOT IN " + kFullQueues + " AND project NOT IN " + kFullQueues +
@@ -90,11 +90,12 @@ std::optional<Lease> take_next(soci::session& session,
     };
     const std::int64_t now_ms = Catalog::now_ms(session);
     const std::int64_t lease_ms = duration.count();
+    const std::int64_t expires_ms = now_ms + lease_ms;
     const std::string lease_id = random_hex(16);
     return select_one<LeaseRow>(
         session,
         "UPDATE jobs SET state = 'running', attempt = attempt + 1, num_attempts = num_attempts + 1,"
-        " lease_id = :lease, lease_expires_at_ms = :now + :duration, lease_ms = :duration,"
+        " lease_id = :lease, lease_expires_at_ms = :expires, lease_ms = :duration,"
         " lease_renewed = 0, started_at_ms = :now, stages = '[]', failure_code = '',"
         " failure_message = '', failure_remedy = '', not_before_ms = 0"
         " WHERE id = (SELECT id" +
@@ -102,6 +103,7 @@ std::optional<Lease> take_next(soci::session& session,
             " ORDER BY queue_rank_ms, id LIMIT 1)"
             " RETURNING id, attempt, lease_id",
         soci::use(lease_id, "lease"),
+        soci::use(expires_ms, "expires"),
         soci::use(lease_ms, "duration"),
         soci::use(now_ms, "now"),
         soci::use(max_pause_ms, "max_pause"),
@@ -233,12 +235,12 @@ std::optional<Claim> JobStore::claim(const std::string& worker, std::chrono::mil
 Renewal JobStore::renew(const Lease& lease, std::chrono::milliseconds duration) {
     Renewal renewal;
     renewal.valid = with_lease(lease, [&](soci::session& session, const Job& job) {
-        const std::int64_t now_ms = Catalog::now_ms(session);
         const std::int64_t lease_ms = duration.count();
+        const std::int64_t expires_ms = Catalog::now_ms(session) + lease_ms;
         execute(session,
-                "UPDATE jobs SET lease_expires_at_ms = :now + :duration, lease_ms = :duration,"
+                "UPDATE jobs SET lease_expires_at_ms = :expires, lease_ms = :duration,"
                 " lease_renewed = 1 WHERE id = :id",
-                soci::use(now_ms, "now"),
+                soci::use(expires_ms, "expires"),
                 soci::use(lease_ms, "duration"),
                 soci::use(job.id, "id"));
         renewal.cancel_requested = job.cancel_requested;

@@ -1,11 +1,11 @@
 #include "storage/preview_store.hpp"
 
 #include <algorithm>
-#include <soci/blob.h>
 
 #include "schemas/content_hash.hpp"
 #include "schemas/error.hpp"
 #include "storage/sql.hpp"
+#include "storage/stored_bytes.hpp"
 
 namespace divemesh::storage {
 namespace {
@@ -38,24 +38,14 @@ const std::string kColumns =
 const std::string kFromSensor =
     " FROM sensor_previews JOIN sensors ON sensors.number = sensor WHERE sensors.id = :sensor";
 
-// Returns the bytes. They need a statement of their own, because SOCI's blob lives as long as its
-// session.
-std::string jpeg_of(soci::session& session, std::int64_t number) {
-    fault_point();
-    soci::blob blob(session);
-    session << "SELECT jpeg FROM sensor_previews WHERE number = :number", soci::into(blob),
-        soci::use(number, "number");
-    std::string jpeg(blob.get_len(), '\0');
-    blob.read(0, jpeg.data(), jpeg.size());
-    return jpeg;
-}
-
 StoredPreview with_jpeg(soci::session& session,
                         const std::optional<Preview>& preview,
                         const std::string& sensor) {
     if (!preview) throw Error(ErrorCode::NotFound, "no such preview of sensor " + sensor);
     const std::int64_t age_ms = Catalog::now_ms(session) - preview->time_ms;
-    return {*preview, jpeg_of(session, preview->id), std::max<std::int64_t>(0, age_ms)};
+    return {*preview,
+            read_bytes(session, "sensor_previews", "jpeg", preview->id),
+            std::max<std::int64_t>(0, age_ms)};
 }
 
 }  // namespace
@@ -75,12 +65,13 @@ Preview insert_preview(soci::session& session,
     preview.num_bytes = static_cast<std::int64_t>(message.jpeg.size());
     preview.sha256 = sha256_hex(message.jpeg);
     const std::string about = to_text(preview.about);
-    soci::blob jpeg(session);
-    jpeg.write(0, message.jpeg.data(), message.jpeg.size());
-    execute(session,
+    const auto insert = [&](const std::string& place, const auto& jpeg) {
+        return select_one<NumberRow>(
+            session,
             "INSERT INTO sensor_previews (sensor, time_ms, camera, width, height, num_bytes,"
             " sha256, about, jpeg) VALUES (:sensor, :time, :camera, :width, :height, :bytes,"
-            " :sha256, :about, :jpeg)",
+            " :sha256, :about, " +
+                place + ") RETURNING number",
             soci::use(sensor, "sensor"),
             soci::use(preview.time_ms, "time"),
             soci::use(preview.camera, "camera"),
@@ -89,11 +80,13 @@ Preview insert_preview(soci::session& session,
             soci::use(preview.num_bytes, "bytes"),
             soci::use(preview.sha256, "sha256"),
             soci::use(about, "about"),
-            soci::use(jpeg, "jpeg"));
-    session << "SELECT last_insert_rowid()", soci::into(preview.id);
+            jpeg);
+    };
+    preview.id = with_bytes(session, "jpeg", message.jpeg, insert).value();
     execute(session,
-            "DELETE FROM sensor_previews WHERE number IN (SELECT number FROM sensor_previews"
-            " WHERE sensor = :sensor ORDER BY time_ms DESC, number DESC LIMIT -1 OFFSET :kept)",
+            "DELETE FROM sensor_previews WHERE sensor = :sensor AND (time_ms, number) <="
+            " (SELECT time_ms, number FROM sensor_previews WHERE sensor = :sensor"
+            "  ORDER BY time_ms DESC, number DESC LIMIT 1 OFFSET :kept)",
             soci::use(sensor, "sensor"),
             soci::use(max_kept, "kept"));
     return preview;

@@ -122,7 +122,7 @@ int ResultRemoval::remove_old(
                 kReaders +
                 " AS is_read FROM jobs"
                 "  WHERE state = 'succeeded' AND kind <> 'intake' AND deleted_at_ms = 0)"
-                " WHERE num_kept > 0 AND place > num_kept AND NOT is_read AND kept = 0"
+                " AS ranked WHERE num_kept > 0 AND place > num_kept AND NOT is_read AND kept = 0"
                 " ORDER BY id LIMIT :limit",
             soci::use(limit, "limit"));
         for (const std::string& job_id : old) {

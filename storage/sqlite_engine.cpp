@@ -8,11 +8,17 @@
 #include "schemas/error.hpp"
 #include "schemas/file_descriptor.hpp"
 #include "storage/engine.hpp"
+#include "storage/migrations/sqlite.hpp"
 
 namespace divemesh::storage {
 namespace {
 
 constexpr int kBusyTimeoutSeconds = 15;
+constexpr Dialect kDialect{
+    .clock_query = "SELECT CAST((julianday('now') - 2440587.5) * 86400000.0 AS INTEGER)",
+    .text_holds_any_bytes = true,
+    .bytes_are_blobs = true,
+    .keeps_statements = false};
 
 sqlite_api::sqlite3* connection_of(soci::session& session) {
     return static_cast<soci::sqlite3_session_backend*>(session.get_backend())->conn_;
@@ -30,6 +36,7 @@ public:
     std::unique_ptr<Session> connect() const override {
         try {
             auto session = std::make_unique<Session>(
+                kDialect,
                 soci::sqlite3,
                 "dbname=\"" + file_ + "\" timeout=" + std::to_string(kBusyTimeoutSeconds));
             switch_to_wal(*session);
@@ -54,11 +61,20 @@ public:
     void begin_read(soci::session& session) const override { execute(session, "BEGIN"); }
     void end(soci::session& session, const char* how) const override { execute(session, how); }
 
+    bool is_lost(soci::session&) const override { return false; }
+    bool is_local() const override { return true; }
     void set_may_wait(soci::session& session, bool may_wait) const override {
         sqlite_api::sqlite3_busy_timeout(connection_of(session),
                                          may_wait ? 1000 * kBusyTimeoutSeconds : 0);
     }
 
+    Migrations migrations() const override { return {.scripts = sqlite_scripts()}; }
+    bool has_table(soci::session& session, const std::string& name) const override {
+        int count = 0;
+        session << "SELECT COUNT(*) FROM sqlite_master WHERE name = :name", soci::into(count),
+            soci::use(name, "name");
+        return count > 0;
+    }
     void run_script(soci::session& session, const std::string& sql) const override {
         execute(session, sql.c_str());
     }

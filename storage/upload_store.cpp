@@ -165,9 +165,9 @@ Upload insert(soci::session& session,
               Upload upload,
               std::int64_t repeated_bytes,
               const UploadLimits& limits) {
-    const std::int64_t length_bytes = upload.length_bytes.value_or(-1);
-    const std::int64_t more_bytes =
-        upload.is_final() ? repeated_bytes : std::max<std::int64_t>(length_bytes, 0);
+    const std::int64_t length_bytes = upload.length_bytes.value_or(0);
+    soci::indicator has_length = upload.length_bytes ? soci::i_ok : soci::i_null;
+    const std::int64_t more_bytes = upload.is_final() ? repeated_bytes : length_bytes;
     require_few_open(session, upload, limits);
     require_bytes_of_quota(session, upload.project, more_bytes, limits.max_bytes_of_project);
     upload.id = new_id("upload");
@@ -179,12 +179,12 @@ Upload insert(soci::session& session,
     execute(session,
             "INSERT INTO uploads (id, project, token_id, length_bytes, metadata, concat, blob,"
             " repeated_bytes, created_at_ms, touched_at_ms, lifetime_ms)"
-            " VALUES (:id, :project, :token, NULLIF(:length, -1), :metadata, :concat, :blob,"
+            " VALUES (:id, :project, :token, :length, :metadata, :concat, :blob,"
             " :repeated, :now, :now, :lifetime)",
             soci::use(upload.id, "id"),
             soci::use(upload.project, "project"),
             soci::use(upload.token_id, "token"),
-            soci::use(length_bytes, "length"),
+            soci::use(length_bytes, has_length, "length"),
             soci::use(upload.metadata, "metadata"),
             soci::use(upload.concat, "concat"),
             soci::use(upload.blob, "blob"),

@@ -21,7 +21,7 @@ struct WorkerRow {
 };
 
 std::set<std::string> projects_of(soci::session& session, const std::string& queues) {
-    const auto names = select_all<TextRow>(session, "SELECT project FROM " + queues);
+    const auto names = select_all<TextRow>(session, "SELECT project FROM " + queues + " AS held");
     return {names.begin(), names.end()};
 }
 

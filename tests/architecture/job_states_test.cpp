@@ -6,7 +6,7 @@
 
 #include "schemas/job_state.hpp"
 #include "storage/catalog.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/storage/place.hpp"
 
 namespace divemesh::storage {
 namespace {
@@ -46,8 +46,8 @@ protected:
         }
     }
 
-    TemporaryFolder folder_;
-    Catalog catalog_{(folder_ / "catalog.db").string()};
+    Place place_;
+    Catalog catalog_{place_.url()};
 };
 
 TEST_F(JobStatesTest, TheDatabaseAllowsExactlyTheDeclaredTransitions) {

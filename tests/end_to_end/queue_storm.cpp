@@ -74,6 +74,8 @@ private:
                                                  "serve",
                                                  "--data",
                                                  folder_.path().string(),
+                                                 "--catalog",
+                                                 catalog_url_,
                                                  "--listen",
                                                  listen,
                                                  "--workers",
@@ -94,7 +96,7 @@ private:
         worker.reset();
         worker.emplace(std::vector<std::string>{settings_.fake_worker.string(),
                                                 "worker",
-                                                "sqlite://" + (folder_ / "catalog.db").string(),
+                                                catalog_url_,
                                                 (folder_ / "blobs").string(),
                                                 (folder_ / "work").string(),
                                                 "2000",
@@ -157,10 +159,14 @@ private:
     }
 
     void kill_one() {
-        const auto victim = std::uniform_int_distribution<std::size_t>(0, workers_.size())(random_);
+        const std::size_t num_victims = workers_.size() + (settings_.kill_database ? 2 : 1);
+        const auto victim = std::uniform_int_distribution<std::size_t>(0, num_victims - 1)(random_);
         if (victim == workers_.size()) {
             server_->kill();
             start_server();
+        } else if (victim > workers_.size()) {
+            settings_.kill_database();
+            ++report_.num_database_kills;
         } else {
             workers_[victim]->kill();
             start(workers_[victim]);
@@ -228,7 +234,10 @@ private:
     QueueStorm settings_;
     std::mt19937 random_;
     TemporaryFolder folder_;
-    storage::Catalog catalog_{"sqlite://" + (folder_ / "catalog.db").string()};
+    std::string catalog_url_ = settings_.catalog_url.empty()
+                                   ? "sqlite://" + (folder_ / "catalog.db").string()
+                                   : settings_.catalog_url;
+    storage::Catalog catalog_{catalog_url_};
     storage::JobStore jobs_{catalog_};
     std::unique_ptr<storage::BlobStore> blobs_ =
         storage::open_blob_store((folder_ / "blobs").string());

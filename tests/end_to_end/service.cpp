@@ -63,7 +63,7 @@ fs::path small_dive() {
     // clang-format on
 }
 
-Service::Service() {
+Service::Service(std::string catalog_url) : catalog_url_(std::move(catalog_url)) {
     const Outcome made =
         run({"token", "create", "--data", data(), "--name", "test", "--scope", "admin"});
     if (made.exit_code != 0) throw std::runtime_error(made.err);
@@ -141,10 +141,12 @@ std::vector<std::string> Service::processes() const {
 }
 
 Process::Environment Service::environment() const {
-    return {{"DIVEMESH_TOKEN", token_},
-            {"DIVEMESH_SERVER", address_},
-            {"XDG_STATE_HOME", (folder_ / "state").string()},
-            {"XDG_CONFIG_HOME", (folder_ / "config").string()}};
+    Process::Environment environment = {{"DIVEMESH_TOKEN", token_},
+                                        {"DIVEMESH_SERVER", address_},
+                                        {"XDG_STATE_HOME", (folder_ / "state").string()},
+                                        {"XDG_CONFIG_HOME", (folder_ / "config").string()}};
+    if (!catalog_url_.empty()) environment["DIVEMESH_CATALOG"] = catalog_url_;
+    return environment;
 }
 
 }  // namespace divemesh

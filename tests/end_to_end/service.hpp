@@ -28,7 +28,8 @@ struct Outcome {
 // it. The destructor kills the server.
 class Service {
 public:
-    Service();
+    // `catalog_url` "": a catalog in the data folder.
+    explicit Service(std::string catalog_url = "");
 
     // Starts the server, on the port of its first start, so that a client finds it again.
     void start_server(int num_workers);
@@ -59,6 +60,7 @@ private:
     Process::Environment environment() const;
 
     TemporaryFolder folder_;
+    std::string catalog_url_;
     std::string token_;
     std::string address_;
     std::optional<Process> server_;

@@ -60,7 +60,7 @@ private:
     BlobStore& blobs_;
 };
 
-class BackupTest : public StoreTest {
+class SqliteBackupTest : public StoreTest {
 protected:
     // A dive whose archive is `bytes`.
     Dive stored_dive(const std::string& bytes) {
@@ -86,7 +86,7 @@ protected:
     const std::unique_ptr<BlobStore> blobs_ = open_blob_store((folder_ / "blobs").string());
 };
 
-TEST_F(BackupTest, TruthThatCameLaterIsPartOfIt) {
+TEST_F(SqliteBackupTest, TruthThatCameLaterIsPartOfIt) {
     const Dive dive = stored_dive("a");
     const Upload upload = finished_upload();
     const std::string key = "truth/" + upload.id + "/file";
@@ -103,7 +103,7 @@ TEST_F(BackupTest, TruthThatCameLaterIsPartOfIt) {
     EXPECT_TRUE(open_blob_store((folder_ / "copy" / "blobs").string())->exists(key));
 }
 
-TEST_F(BackupTest, WhatIsRestoredIsWhatWasThere) {
+TEST_F(SqliteBackupTest, WhatIsRestoredIsWhatWasThere) {
     const Dive dive = stored_dive(std::string(3'000'000, 'a'));
     stored_dive("b");
     uploads_.create({.project = "default", .length_bytes = 10});
@@ -124,7 +124,7 @@ TEST_F(BackupTest, WhatIsRestoredIsWhatWasThere) {
     EXPECT_FALSE(fs::exists(file_.string() + ".catalog"));
 }
 
-TEST_F(BackupTest, WhatIsRestoredHasAnIdOfItsOwn) {
+TEST_F(SqliteBackupTest, WhatIsRestoredHasAnIdOfItsOwn) {
     stored_dive("a");
     claim_data(catalog_, *blobs_);
     backup();
@@ -138,7 +138,7 @@ TEST_F(BackupTest, WhatIsRestoredHasAnIdOfItsOwn) {
     claim_data(catalog, *blobs);
 }
 
-TEST_F(BackupTest, ACatalogIsRestoredBesideTheBlobsThatAreLeft) {
+TEST_F(SqliteBackupTest, ACatalogIsRestoredBesideTheBlobsThatAreLeft) {
     stored_dive("a");
     claim_data(catalog_, *blobs_);
     backup();
@@ -149,7 +149,7 @@ TEST_F(BackupTest, ACatalogIsRestoredBesideTheBlobsThatAreLeft) {
     EXPECT_EQ(data_mismatch(catalog, *blobs_), "");
 }
 
-TEST_F(BackupTest, OthersMayWriteWhileItIsMade) {
+TEST_F(SqliteBackupTest, OthersMayWriteWhileItIsMade) {
     stored_dive("a");
     std::atomic<bool> done = false;
     std::thread writer([&] {
@@ -163,14 +163,14 @@ TEST_F(BackupTest, OthersMayWriteWhileItIsMade) {
     writer.join();
 }
 
-TEST_F(BackupTest, OverwritesNoCatalog) {
+TEST_F(SqliteBackupTest, OverwritesNoCatalog) {
     stored_dive("a");
     backup();
     restore("copy");
     EXPECT_TRUE(throws_code(ErrorCode::Conflict, [&] { restore("copy"); }));
 }
 
-TEST_F(BackupTest, RefusesWhatIsDamagedCutShortOrNoBackup) {
+TEST_F(SqliteBackupTest, RefusesWhatIsDamagedCutShortOrNoBackup) {
     stored_dive(std::string(100'000, 'a'));
     backup();
     const auto size = fs::file_size(file_);
@@ -186,14 +186,14 @@ TEST_F(BackupTest, RefusesWhatIsDamagedCutShortOrNoBackup) {
     EXPECT_ANY_THROW(restore("nothing"));
 }
 
-TEST_F(BackupTest, SaysWhatWasGoneAlready) {
+TEST_F(SqliteBackupTest, SaysWhatWasGoneAlready) {
     const Dive dive = stored_dive("a");
     blobs_->remove(dive.blob);
     EXPECT_EQ(backup().num_missing, 1);
     EXPECT_EQ(restore("copy").num_missing, 1);
 }
 
-TEST_F(BackupTest, WhatGoesWhileItIsMadeIsMissing) {
+TEST_F(SqliteBackupTest, WhatGoesWhileItIsMadeIsMissing) {
     stored_dive("a");
     VanishingBlobs blobs(*blobs_);
 
@@ -204,7 +204,7 @@ TEST_F(BackupTest, WhatGoesWhileItIsMadeIsMissing) {
     EXPECT_EQ(restore("copy").num_missing, 1);
 }
 
-TEST_F(BackupTest, ItsOwnerAloneMayReadItWhateverTheUmask) {
+TEST_F(SqliteBackupTest, ItsOwnerAloneMayReadItWhateverTheUmask) {
     stored_dive(std::string(3'000'000, 'a'));
     std::set<fs::perms> seen;
     std::atomic<bool> done = false;

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "storage/migrations.hpp"
+#include "storage/migrations/sqlite.hpp"
 #include "tests/storage/store_fixture.hpp"
 
 namespace divemesh::storage {
@@ -22,18 +22,18 @@ std::string text_of(Catalog& catalog, const std::string& query) {
     return text;
 }
 
-TEST(Catalog, MakesItsSchemaInAnEmptyFolderAndFindsItAgain) {
+TEST(SqliteCatalog, MakesItsSchemaInAnEmptyFolderAndFindsItAgain) {
     const TemporaryFolder folder;
     const std::string url = "sqlite://" + (folder / "a folder/catalog.db").string();
     for (int i = 0; i < 2; ++i) {
         Catalog catalog(url);
-        EXPECT_EQ(catalog.schema_version(), static_cast<int>(migrations().size()));
+        EXPECT_EQ(catalog.schema_version(), static_cast<int>(sqlite_scripts().size()));
     }
 }
 
 TEST(Catalog, RefusesACatalogOfANewerVersion) {
-    const TemporaryFolder folder;
-    const std::string url = "sqlite://" + (folder / "catalog.db").string();
+    const Place place;
+    const std::string url = place.url();
     Catalog(url).transaction(
         [](soci::session& session) { session << "UPDATE schema_version SET version = 999"; });
 
@@ -41,7 +41,7 @@ TEST(Catalog, RefusesACatalogOfANewerVersion) {
     EXPECT_TRUE(throws_code(ErrorCode::Conflict, [&] { Catalog{url}; }));
 }
 
-TEST(Catalog, RefusesWhatItCannotOpen) {
+TEST(SqliteCatalog, RefusesWhatItCannotOpen) {
     const TemporaryFolder folder;
     std::ofstream(folder / "text") << std::string(10'000, 'x');
 
@@ -52,7 +52,7 @@ TEST(Catalog, RefusesWhatItCannotOpen) {
                             [&] { Catalog{(folder / "text/catalog.db").string()}; }));
 }
 
-TEST(Catalog, LosesNothingThatWasCommittedToAPowerCut) {
+TEST(SqliteCatalog, LosesNothingThatWasCommittedToAPowerCut) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
 
@@ -61,7 +61,7 @@ TEST(Catalog, LosesNothingThatWasCommittedToAPowerCut) {
     EXPECT_EQ(text_of(catalog, "PRAGMA foreign_keys"), "1");
 }
 
-TEST(Catalog, ANonBlockingReadDoesNotWaitForAWriter) {
+TEST(SqliteCatalog, ANonBlockingReadDoesNotWaitForAWriter) {
     const TemporaryFolder folder;
     const std::string url = (folder / "catalog.db").string();
     Catalog catalog(url);
@@ -76,7 +76,7 @@ TEST(Catalog, ANonBlockingReadDoesNotWaitForAWriter) {
     EXPECT_EQ(text_of(read_nonblocking, "SELECT newest FROM event_sequence"), "7");
 }
 
-TEST(Catalog, ANonBlockingReadGetsNoConnectionInUse) {
+TEST(SqliteCatalog, ANonBlockingReadGetsNoConnectionInUse) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
     Catalog read_nonblocking = catalog.read_nonblocking();
@@ -89,7 +89,7 @@ TEST(Catalog, ANonBlockingReadGetsNoConnectionInUse) {
     EXPECT_EQ(text_of(read_nonblocking, "SELECT newest FROM event_sequence"), "0");
 }
 
-TEST(Catalog, ANonBlockingReadUsesAReservedConnection) {
+TEST(SqliteCatalog, ANonBlockingReadUsesAReservedConnection) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
     Catalog read_nonblocking = catalog.read_nonblocking();
@@ -106,7 +106,7 @@ TEST(Catalog, ANonBlockingReadUsesAReservedConnection) {
 }
 
 // A non-blocking read restores the timeout of its connection.
-TEST(Catalog, ABlockingReadWaitsAfterANonBlockingOne) {
+TEST(SqliteCatalog, ABlockingReadWaitsAfterANonBlockingOne) {
     const TemporaryFolder folder;
     Catalog catalog((folder / "catalog.db").string());
     Catalog read_nonblocking = catalog.read_nonblocking();
@@ -115,8 +115,8 @@ TEST(Catalog, ABlockingReadWaitsAfterANonBlockingOne) {
 }
 
 TEST(Catalog, AnAuditEventIsWrittenWithItsChangeOrNotAtAll) {
-    const TemporaryFolder folder;
-    Catalog catalog((folder / "catalog.db").string());
+    const Place place;
+    Catalog catalog(place.url());
     Catalog audited = catalog.with_audit(
         [](soci::session& session) { session << "UPDATE event_sequence SET newest = newest + 1"; });
     const auto num_events = [&] { return text_of(catalog, "SELECT newest FROM event_sequence"); };
@@ -136,9 +136,9 @@ TEST(Catalog, AnAuditEventIsWrittenWithItsChangeOrNotAtAll) {
 }
 
 TEST(Catalog, ACheckSeesWhatTheChangeWillFindAndCanRefuseIt) {
-    const TemporaryFolder folder;
-    Catalog catalog((folder / "catalog.db").string());
-    Catalog another((folder / "catalog.db").string());
+    const Place place;
+    Catalog catalog(place.url());
+    Catalog another(place.url());
     const auto newest = [&] { return text_of(catalog, "SELECT newest FROM event_sequence"); };
     const auto add = [](soci::session& session) {
         session << "UPDATE event_sequence SET newest = newest + 1";
@@ -158,8 +158,8 @@ TEST(Catalog, ACheckSeesWhatTheChangeWillFindAndCanRefuseIt) {
 }
 
 TEST(Catalog, RollsBackWhatThrows) {
-    const TemporaryFolder folder;
-    Catalog catalog((folder / "catalog.db").string());
+    const Place place;
+    Catalog catalog(place.url());
 
     EXPECT_THROW(catalog.transaction([](soci::session& session) {
         session << "UPDATE event_sequence SET newest = 5";
@@ -171,8 +171,8 @@ TEST(Catalog, RollsBackWhatThrows) {
 }
 
 TEST(Catalog, WritersOfManyThreadsAndCatalogsLoseNoUpdate) {
-    const TemporaryFolder folder;
-    const std::string url = (folder / "catalog.db").string();
+    const Place place;
+    const std::string url = place.url();
     Catalog first(url);
     Catalog second(url);  // stands for another process: it does not share the first one's lock
     std::vector<std::thread> threads;
@@ -192,8 +192,8 @@ TEST(Catalog, WritersOfManyThreadsAndCatalogsLoseNoUpdate) {
 }
 
 TEST(Catalog, ItsClockIsTheSystemsInMilliseconds) {
-    const TemporaryFolder folder;
-    Catalog catalog((folder / "catalog.db").string());
+    const Place place;
+    Catalog catalog(place.url());
     const auto system_ms = [] {
         return std::chrono::duration_cast<std::chrono::milliseconds>(
                    std::chrono::system_clock::now().time_since_epoch())

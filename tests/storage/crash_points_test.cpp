@@ -27,7 +27,7 @@ protected:
         }
         for (int number = 1;; ++number) {
             const fs::path place = folder_ / std::to_string(number);
-            fs::copy(prepared, place, fs::copy_options::recursive);
+            copy_place(prepared, place);
             const bool killed = is_killed_at(number, place, step);
             {
                 SCOPED_TRACE("killed at " + std::to_string(number));
@@ -40,6 +40,7 @@ protected:
             }
             if (!killed || HasFailure()) return number - 1;
             fs::remove_all(place);
+            remove_catalog(place);
         }
     }
 

@@ -28,6 +28,8 @@ protected:
     std::unique_ptr<BlobStore> blobs_ = open("blobs");
 };
 
+class SqliteDataIdTest : public DataIdTest {};
+
 TEST_F(DataIdTest, NewDataGetAnIdAndKeepIt) {
     EXPECT_FALSE(has_data_id(catalog_));
     claim_data(catalog_, *blobs_);
@@ -114,7 +116,7 @@ TEST_F(DataIdTest, GoesOnAfterAServerThatWasKilledInBetween) {
     EXPECT_EQ(blobs_->data_id(), "half");
 }
 
-TEST_F(DataIdTest, OpensOnlyWhatIsThereIfAsked) {
+TEST_F(SqliteDataIdTest, OpensOnlyWhatIsThereIfAsked) {
     const auto missing = blobs_folder_ / "missing";
     EXPECT_TRUE(throws_code(ErrorCode::Unavailable,
                             [&] { open_blob_store(missing.string(), Opening::ExistingOnly); }));
@@ -134,7 +136,7 @@ TEST_F(DataIdTest, OpensOnlyWhatIsThereIfAsked) {
 }
 
 // As the database of another program, which is left as it is.
-TEST_F(DataIdTest, MakesNoCatalogOfAnotherDatabase) {
+TEST_F(SqliteDataIdTest, MakesNoCatalogOfAnotherDatabase) {
     const std::string file = (blobs_folder_ / "photos.db").string();
     const auto without_versions = [&] {
         Catalog photos(file);

@@ -20,7 +20,7 @@ namespace divemesh::storage {
 // A catalog and a blob store in a folder of their own, and the steps of the service on them.
 struct Site : Stores {
     explicit Site(const std::filesystem::path& place)
-        : Stores("sqlite://" + (place / "catalog.db").string()),
+        : Stores(catalog_url(place)),
           folder(place),
           blobs(open_blob_store((place / "blobs").string())) {
         for (const char* name : kArtifacts) std::ofstream(folder / name) << name;

@@ -15,7 +15,7 @@
 #include "storage/event_store.hpp"
 #include "storage/job_store.hpp"
 #include "storage/upload_store.hpp"
-#include "tests/temporary_folder.hpp"
+#include "tests/storage/place.hpp"
 
 namespace divemesh::storage {
 
@@ -110,7 +110,12 @@ struct Stores {
 
 class InFolder {
 protected:
-    std::string url() const { return "sqlite://" + (folder_ / "catalog.db").string(); }
+    InFolder() = default;
+    ~InFolder() { remove_catalog(folder_.path()); }
+    InFolder(const InFolder&) = delete;
+    InFolder& operator=(const InFolder&) = delete;
+
+    std::string url() const { return catalog_url(folder_.path()); }
 
     TemporaryFolder folder_;
 };

@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <csignal>
 #include <cstdio>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <random>
@@ -16,6 +17,7 @@
 #include "storage/catalog.hpp"
 #include "storage/data_id.hpp"
 #include "storage/job_store.hpp"
+#include "storage/queue_signal.hpp"
 #include "worker/runner/attempt_runner.hpp"
 #include "worker/runner/registration.hpp"
 #include "worker/runner/work_folder.hpp"
@@ -71,9 +73,27 @@ std::optional<storage::Claim> claim_if_able(const Slots& slots) {
     return waits_for.empty() ? slots.jobs.claim(slots.name, slots.config.lease) : std::nullopt;
 }
 
+// Waits before the catalog is asked for jobs again.
+class Pause {
+public:
+    explicit Pause(const WorkerConfig& config)
+        : at_most_(config.poll_every), signal_(storage::listen_to_queue(config.catalog_url)) {}
+
+    void wait(const std::stop_token& stop) {
+        if (signal_) return signal_->wait(at_most_);
+        std::unique_lock lock(mutex_);
+        wake_.wait_for(lock, stop, at_most_, [] { return false; });
+    }
+
+private:
+    std::chrono::milliseconds at_most_;
+    std::unique_ptr<storage::QueueSignal> signal_;
+    std::mutex mutex_;
+    std::condition_variable_any wake_;
+};
+
 void run_slot(const Slots& slots, const std::stop_token& stop) {
-    std::mutex mutex;
-    std::condition_variable_any wake;
+    Pause pause(slots.config);
     while (!stop.stop_requested()) {
         bool worked = false;
         try {
@@ -88,9 +108,7 @@ void run_slot(const Slots& slots, const std::stop_token& stop) {
         } catch (const std::exception& error) {  // the catalog is unreachable: try again
             log_warning({{"event", "worker_failed"}, {"what", error.what()}});
         }
-        if (worked) continue;
-        std::unique_lock lock(mutex);
-        wake.wait_for(lock, stop, slots.config.poll_every, [] { return false; });
+        if (!worked) pause.wait(stop);
     }
 }
 
