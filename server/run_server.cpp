@@ -24,6 +24,8 @@ namespace {
 std::vector<std::string> worker_command(const ServerConfig& config) {
     return {"/proc/self/exe",
             "worker",
+            "--data",
+            config.data.string(),
             "--catalog",
             config.catalog_url,
             "--blobs",

@@ -133,7 +133,8 @@ std::unique_ptr<storage::BlobStore> open_blobs(const ServerConfig& config,
     auto blobs =
         storage::open_blob_store(config.blobs_url,
                                  storage::has_data_id(catalog) ? storage::Opening::ExistingOnly
-                                                               : storage::Opening::CreateIfMissing);
+                                                               : storage::Opening::CreateIfMissing,
+                                 config.data / "staged");
     storage::claim_data(catalog, *blobs);
     return blobs;
 }
