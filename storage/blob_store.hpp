@@ -65,6 +65,9 @@ public:
     virtual void remove_prefix(const std::string& prefix) = 0;
     // Returns the names directly below a prefix that ends with a slash.
     virtual std::vector<std::string> children(const std::string& prefix) = 0;
+    // Ends the transfers over a network that are under way, and begins no more: they throw
+    // Error{Unavailable}.
+    virtual void stop_transfers() {}
     // Of the disk that takes the uploads; the largest number where none limits them.
     virtual std::int64_t free_bytes() = 0;
 

@@ -55,6 +55,10 @@ bool may_pass(CURLcode code) {
     return std::find(kLasting.begin(), kLasting.end(), code) == kLasting.end();
 }
 
+int is_to_end(void* is_stopped, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
+    return static_cast<std::atomic<bool>*>(is_stopped)->load() ? 1 : 0;
+}
+
 // One request and its answer, while libcurl calls back. No exception passes through it, which is C.
 class Exchange {
 public:
@@ -89,6 +93,7 @@ public:
         if (thrown_) std::rethrow_exception(thrown_);
         curl_easy_getinfo(handle_, CURLINFO_RESPONSE_CODE, &answer_.status);
         if (code == CURLE_OK || answer_.is_cut_off) return std::move(answer_);
+        if (code == CURLE_ABORTED_BY_CALLBACK) return {.failure = "this process is stopping"};
         HttpAnswer failed;
         failed.failure = message_.front() != '\0' ? message_.data() : curl_easy_strerror(code);
         failed.failure_may_pass = may_pass(code);
@@ -189,6 +194,9 @@ HttpAnswer HttpExchange::send(const HttpRequest& request) {
     set(curl, CURLOPT_BUFFERSIZE, kBufferBytes);
     set(curl, CURLOPT_UPLOAD_BUFFERSIZE, kBufferBytes);
     if (!certificates_.empty()) set(curl, CURLOPT_CAINFO, certificates_.c_str());
+    set(curl, CURLOPT_NOPROGRESS, 0L);  // it asks every second at least whether to go on
+    set(curl, CURLOPT_XFERINFOFUNCTION, &is_to_end);
+    set(curl, CURLOPT_XFERINFODATA, &is_stopped_);
     HttpAnswer answer = Exchange(curl, request).run();
     curl_easy_reset(curl);  // keeps its connection
     give_back(std::move(handle));

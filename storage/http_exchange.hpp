@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <functional>
@@ -54,12 +55,15 @@ public:
     // Throws only what the body's read() throws.
     HttpAnswer send(const HttpRequest& request);
 
+    void stop() { is_stopped_ = true; }  // every exchange, also those to come, ends
+
 private:
     using Handle = std::unique_ptr<void, void (*)(void*)>;
     Handle take();
     void give_back(Handle handle);
 
     HttpTimeouts timeouts_;
+    std::atomic<bool> is_stopped_ = false;
     std::string certificates_;  // file of accepted authorities; "": those of the system
     std::mutex mutex_;
     std::vector<Handle> idle_;

@@ -87,7 +87,7 @@ void throw_s3_error(const std::string& doing,
     if (answer.status == 0)
         throw Error(ErrorCode::Unavailable,
                     where + answer.failure +
-                        ": check the address of the object store and the network to it");
+                        ": try again, or check the address of the object store and the network");
     const std::string said = "status " + std::to_string(answer.status) +
                              (refusal.code.empty() ? "" : " " + refusal.code) +
                              (refusal.message.empty() ? "" : " (" + refusal.message + ")");

@@ -79,6 +79,7 @@ public:
     void remove(const std::string& key) override { client_.remove(object(key)); }
     void remove_prefix(const std::string& prefix) override;
     std::vector<std::string> children(const std::string& prefix) override;
+    void stop_transfers() override { client_.stop(); }
     std::int64_t free_bytes() override {
         return stage_ ? free_bytes_of(stage_->folder()) : std::numeric_limits<std::int64_t>::max();
     }

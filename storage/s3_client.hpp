@@ -56,6 +56,7 @@ public:
     S3Client(S3Location location, S3Credentials credentials, S3Settings settings = {});
 
     const S3Location& location() const { return location_; }
+    void stop() { http_.stop(); }  // every request, also those to come, ends without an answer
     std::int64_t part_bytes() const { return settings_.part_bytes; }
 
     std::optional<S3Object> find(const std::string& key);

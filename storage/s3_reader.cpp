@@ -7,7 +7,7 @@ namespace divemesh::storage {
 namespace {
 
 constexpr std::size_t kFirstBytes = std::size_t{256} << 10;
-constexpr std::size_t kMaxBytes = std::size_t{8} << 20;
+constexpr std::size_t kMaxBytes = std::size_t{2} << 20;  // every download under way holds as much
 
 class S3Reader : public BlobReader {
 public:

@@ -28,11 +28,14 @@ struct Outcome {
 // it. The destructor kills the server.
 class Service {
 public:
-    Service();
+    Service() : Service("", {}) {}
+    // Its blobs are in an object store, to which the environment has the keys.
+    Service(std::string blobs, Process::Environment keys);
 
     // Starts the server, on the port of its first start, so that a client finds it again.
     void start_server(int num_workers);
     void kill_server();
+    // Without the server's data folder where the blobs are in an object store.
     Process start_worker() const;
 
     // Starts `divemesh` with these arguments as a user of this server.
@@ -59,6 +62,8 @@ private:
     Process::Environment environment() const;
 
     TemporaryFolder folder_;
+    std::string blobs_;  // "": in the data folder
+    Process::Environment keys_;
     std::string token_;
     std::string address_;
     std::optional<Process> server_;

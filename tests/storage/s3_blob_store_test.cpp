@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <gmock/gmock.h>
+#include <thread>
 
 #include "schemas/content_hash.hpp"
 #include "storage/ids.hpp"
@@ -310,8 +311,22 @@ TEST_F(S3BlobStoreTest, ReadsAheadOfOneWhoReadsOn) {
     const auto before = num_requests("GET ");
     for (std::int64_t offset = 0; offset < reader->size_bytes();)
         offset += static_cast<std::int64_t>(reader->read_at(offset, bytes));
-    EXPECT_LE(num_requests("GET ") - before, 8);  // of 81 reads
+    EXPECT_LE(num_requests("GET ") - before, 9);  // of 81 reads
     EXPECT_LT(static_cast<double>(gateway_->num_bytes_received()), 1.1 * kLarge);
+}
+
+TEST_F(S3BlobStoreTest, ATransferEndsSoonWhenItIsToldTo) {
+    blobs_->open_staged("uploads/u")->write(large_);
+    gateway_->make_fail({.method = "PUT", .trouble = Trouble::Silence, .num_times = 1000});
+    const auto begun = std::chrono::steady_clock::now();
+    std::jthread stop([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        blobs_->stop_transfers();
+    });
+    EXPECT_TRUE(throws_code(ErrorCode::Unavailable,
+                            [&] { blobs_->commit_staged("uploads/u", "dives/u/archive"); }));
+    EXPECT_LT(std::chrono::steady_clock::now() - begun, std::chrono::seconds(5));
+    EXPECT_EQ(blobs_->staged_size_bytes("uploads/u"), std::ssize(large_));
 }
 
 TEST_F(S3BlobStoreTest, AWorkerNeedsNoStage) {
