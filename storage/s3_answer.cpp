@@ -63,9 +63,11 @@ S3Refusal refusal_of(const HttpAnswer& answer) {
     try {
         const XmlNode root = parse_xml(answer.body);
         if (root.name != "Error") return {};
+        const auto bucket_region = answer.headers.find("x-amz-bucket-region");
+        const bool is_moved = answer.status == 301 && bucket_region != answer.headers.end();
         return {printable(root.text_of("Code")),
                 printable(root.text_of("Message")),
-                printable(root.text_of("Region"))};
+                printable(is_moved ? bucket_region->second : root.text_of("Region"))};
     } catch (const Error&) {
         return {};  // a proxy has answered
     }

@@ -1,6 +1,8 @@
 #include "storage/s3_blob_store.hpp"
 
 #include <algorithm>
+#include <atomic>
+#include <ctime>
 #include <fcntl.h>
 #include <limits>
 #include <optional>
@@ -22,7 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxDataIdBytes = 128;
-constexpr std::time_t kPartsLive_s = 24 * 60 * 60;
+constexpr std::time_t kDay_s = 24 * 60 * 60;
+constexpr std::time_t kPartsLive_s = 7 * kDay_s;  // longer than any upload takes
 
 [[noreturn]] void throw_missing(const std::string& key) {
     throw Error(ErrorCode::NotFound, "no stored data " + key);
@@ -52,7 +55,7 @@ public:
         static_cast<void>(data_id());  // says what is wrong with bucket or keys
         if (stage.empty()) return;
         stage_.emplace(make_folder(stage));
-        remove_old_parts();
+        remove_old_parts_daily();
     }
 
     std::unique_ptr<StagedBlob> open_staged(const std::string& key,
@@ -105,11 +108,12 @@ private:
                         "this process takes no uploads: it has no folder to stage them in");
         return *stage_;
     }
-    void remove_old_parts();
+    void remove_old_parts_daily();
 
     std::string root_;
     S3Client client_;
     std::optional<UploadStage> stage_;
+    std::atomic<std::time_t> next_removal_ = 0;
 };
 
 // The staged bytes go last, so a program that is killed before that commits them again.
@@ -119,6 +123,7 @@ void S3BlobStore::commit_staged(const std::string& staged_key, const std::string
         if (!exists(key)) throw_missing(staged_key);
         return;
     }
+    remove_old_parts_daily();
     send_file(client_, object(key), file);
     stage().remove(staged_key);
 }
@@ -181,11 +186,14 @@ void S3BlobStore::set_data_id(const std::string& id) {
     client_.put(data_id_object(), body_of(text));
 }
 
-// Costs space alone, so a key without the right to list them does not keep the server from
+// They cost space alone, so a key without the right to list them does not keep the server from
 // starting.
-void S3BlobStore::remove_old_parts() {
+void S3BlobStore::remove_old_parts_daily() {
+    const std::time_t now = std::time(nullptr);
+    std::time_t due = next_removal_;
+    if (now < due || !next_removal_.compare_exchange_strong(due, now + kDay_s)) return;
     try {
-        abort_uploads_before(client_, blobs(), std::time(nullptr) - kPartsLive_s);
+        abort_uploads_before(client_, blobs(), now - kPartsLive_s);
     } catch (const Error& error) {
         log_warning({{"event", "s3_old_parts_not_removed"}, {"what", error.what()}});
     }

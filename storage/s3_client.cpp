@@ -22,6 +22,7 @@ constexpr std::size_t kHashBytes = std::size_t{256} << 10;
 constexpr std::size_t kMaxNames = 1'000'000;
 constexpr auto kFirstPause = 100ms;
 constexpr auto kMaxPause = 5000ms;
+constexpr int kMinTries = 3;
 
 std::string sha256_of(const HttpBody& body) {
     Sha256 hash;
@@ -45,16 +46,25 @@ std::string amazon_time(std::time_t time) {
     return {text.data(), size};
 }
 
-// Grows to kMaxPause; half of it is by chance, so that those who failed together come back apart.
-class Pauses {
+// Pauses between tries. They grow to kMaxPause; half of each is by chance, so that those who failed
+// together come back apart.
+class Patience {
 public:
-    void take() {
+    explicit Patience(std::chrono::milliseconds lasts) : end_(Clock::now() + lasts) {}
+
+    // Pauses. Returns false at once if there is no patience left. One try alone may take longer
+    // than it lasts, on a slow link, so that a few are always had.
+    bool waits() {
+        if (++num_tries_ >= kMinTries && Clock::now() > end_) return false;
         std::uniform_int_distribution<std::int64_t> chance(next_.count() / 2, next_.count());
         std::this_thread::sleep_for(std::chrono::milliseconds(chance(random_)));
         next_ = std::min<std::chrono::milliseconds>(2 * next_, kMaxPause);
+        return true;
     }
 
 private:
+    Clock::time_point end_;
+    int num_tries_ = 0;
     std::chrono::milliseconds next_ = kFirstPause;
     std::minstd_rand random_{std::random_device{}()};
 };
@@ -163,12 +173,11 @@ HttpAnswer S3Client::try_once(const Request& request, const std::string& sha256)
 // Tries until there is an answer that will not change, or patience ends.
 HttpAnswer S3Client::send(const Request& request) {
     const std::string sha256 = sha256_of(request.body);
-    Pauses pauses;
-    for (const auto give_up = Clock::now() + settings_.patience;;) {
+    Patience patience(settings_.patience);
+    for (;;) {
         HttpAnswer answer = try_once(request, sha256);
         if (answer.status >= 200 && answer.status < 300) return answer;
-        if (!may_pass(answer, refusal_of(answer)) || Clock::now() > give_up) return answer;
-        pauses.take();
+        if (!may_pass(answer, refusal_of(answer)) || !patience.waits()) return answer;
     }
 }
 
@@ -324,8 +333,8 @@ void S3Client::complete_upload(const std::string& key,
                           .body = body_of(completion_of(etags))};
     const std::string sha256 = sha256_of(request.body);
     const std::string etag = etag_of_parts(etags);
-    Pauses pauses;
-    for (const auto give_up = Clock::now() + settings_.patience;;) {
+    Patience patience(settings_.patience);
+    for (;;) {
         const HttpAnswer answer = try_once(request, sha256);
         const S3Refusal refusal = refusal_of(answer);
         const bool is_done = answer.status == 200 && refusal.code.empty() && !answer.body.empty();
@@ -336,9 +345,8 @@ void S3Client::complete_upload(const std::string& key,
             throw Error(ErrorCode::Unavailable,
                         "completing " + key + " in " + location_.text() +
                             ": the object store has made an object of another size: try again");
-        if (!may_pass(answer, refusal) || Clock::now() > give_up)
+        if (!may_pass(answer, refusal) || !patience.waits())
             throw_s3_error("completing " + key, location_, answer, refusal);
-        pauses.take();
     }
 }
 

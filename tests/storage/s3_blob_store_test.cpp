@@ -177,15 +177,18 @@ TEST_F(S3BlobStoreTest, AStoreThatIsFullIsSaidSo) {
 }
 
 TEST_F(S3BlobStoreTest, ARegionThatIsNotTheBucketsIsNamed) {
-    gateway_->make_fail(
-        {.method = "PUT",
-         .answer = "HTTP/1.1 400 No\r\nContent-Length: 84\r\n\r\n<Error><Code>"
-                   "AuthorizationHeaderMalformed</Code><Region>eu-west-1</Region>  </Error>"});
-    try {
-        blobs_->put_file("dives/x", file_with("x"));
-        FAIL();
-    } catch (const Error& error) {
-        EXPECT_THAT(error.what(), HasSubstr("region=eu-west-1"));
+    for (const std::string answer :
+         {"HTTP/1.1 400 No\r\nContent-Length: 84\r\n\r\n<Error><Code>"
+          "AuthorizationHeaderMalformed</Code><Region>eu-west-1</Region>  </Error>",
+          "HTTP/1.1 301 No\r\nX-Amz-Bucket-Region: eu-west-1\r\nContent-Length: 45\r\n\r\n"
+          "<Error><Code>PermanentRedirect</Code></Error>"}) {
+        gateway_->make_fail({.method = "PUT", .answer = answer});
+        try {
+            blobs_->put_file("dives/x", file_with("x"));
+            FAIL();
+        } catch (const Error& error) {
+            EXPECT_THAT(error.what(), HasSubstr("region=eu-west-1"));
+        }
     }
 }
 
