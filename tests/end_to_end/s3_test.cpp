@@ -60,7 +60,8 @@ TEST_F(S3Test, ADiveGoesThroughTheObjectStore) {
     const Outcome outcome = service_->run(
         {"upload", small_dive().string(), "--wait", "--download", result.string()}, 300s);
 
-    ASSERT_EQ(outcome.exit_code, 0) << outcome.err << worker.stderr_text();
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.out << outcome.err << worker.stdout_text()
+                                    << worker.stderr_text() << service_->server().stderr_text();
     EXPECT_GT(fs::file_size(result / "mesh.ply"), 1000U);
     EXPECT_FALSE(fs::exists(*service_ / "data/blobs"));
     EXPECT_EQ(num_staged_bytes(), 0);

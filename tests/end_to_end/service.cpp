@@ -99,7 +99,7 @@ Process Service::start_worker() const {
     if (blobs_.empty()) return start({"worker", "--data", data()});
     // clang-format off
     return start({"worker", "--catalog", "sqlite://" + data() + "/catalog.db", "--blobs", blobs_,
-                  "--work", (folder_ / "work").string()});
+                  "--data", (folder_ / "scratch").string()});
     // clang-format on
 }
 
