@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
 #include <gmock/gmock.h>
 
 #include "storage/s3_blob_store.hpp"
