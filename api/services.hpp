@@ -57,7 +57,8 @@ struct ServiceLimits {
 struct Services {
     storage::Catalog& catalog;
     storage::BlobStore& blobs;
-    boost::asio::thread_pool& pool;  // for SQL, disk and hashing; see in_pool()
+    boost::asio::thread_pool& pool;       // for SQL, disk and hashing; see in_pool()
+    boost::asio::thread_pool& transfers;  // for what may take as long as an upload: its own threads
     UploadLocks& locks;
     HashCache& hashes;
     storage::QueueForecast& forecast;

@@ -52,7 +52,8 @@ int restore(const BackupOptions& options, const Context& context) {
                     "PostgreSQL is restored with pg_restore (docs/operation.md)");
     const std::string scheme = "sqlite://";
     if (catalog.starts_with(scheme)) catalog.erase(0, scheme.size());
-    const auto blobs = storage::open_blob_store(blobs_url(options.data));
+    const auto blobs = storage::open_blob_store(
+        blobs_url(options.data), storage::Opening::CreateIfMissing, stage_folder(options.data));
     say(storage::read_backup(options.file, catalog, *blobs), context);
     return kExitDone;
 }

@@ -43,7 +43,10 @@ void add_data_options(CLI::App& command, DataOptions& options) {
                        options.catalog,
                        "URL of the database: sqlite:///path/catalog.db or "
                        "postgresql://user@host/database");
-    command.add_option("--blobs", options.blobs, "URL of archives and artifacts: file:///path");
+    command.add_option("--blobs",
+                       options.blobs,
+                       "URL of archives and artifacts: file:///path, or "
+                       "s3://bucket[/prefix]?endpoint=https://host&region=NAME");
 }
 
 std::string catalog_url(const DataOptions& options) {
@@ -58,13 +61,15 @@ std::string blobs_url(const DataOptions& options) {
 
 namespace {
 
-// Returns a folder beside a directory of blobs, otherwise below the system's temporary folder.
+// Returns a folder beside a directory of blobs, otherwise in the data folder, or below the system's
+// temporary folder where none is given.
 fs::path beside_blobs(const DataOptions& options, const std::string& name) {
     std::string blobs = blobs_url(options);
     const std::string scheme = "file://";
     if (blobs.starts_with(scheme)) blobs.erase(0, scheme.size());
     if (blobs.find("://") != std::string::npos)
-        return fs::temp_directory_path() / ("divemesh-" + name);
+        return options.data.empty() ? fs::temp_directory_path() / ("divemesh-" + name)
+                                    : fs::absolute(options.data) / name;
     return fs::absolute(blobs).parent_path() / name;
 }
 
@@ -73,5 +78,7 @@ fs::path beside_blobs(const DataOptions& options, const std::string& name) {
 fs::path work_folder(const DataOptions& options) { return beside_blobs(options, "work"); }
 
 fs::path cache_folder(const DataOptions& options) { return beside_blobs(options, "cache"); }
+
+fs::path stage_folder(const DataOptions& options) { return beside_blobs(options, "staged"); }
 
 }  // namespace divemesh::cli

@@ -22,9 +22,11 @@ void add_data_options(CLI::App& command, DataOptions& options);
 std::string catalog_url(const DataOptions& options);  // default sqlite:///DIR/catalog.db
 std::string blobs_url(const DataOptions& options);    // default DIR/blobs
 // Returns the folder for scratch files of running attempts: beside a directory of blobs, otherwise
-// below the system's temporary folder.
+// in the data folder, or below the system's temporary folder where none is given.
 std::filesystem::path work_folder(const DataOptions& options);
 // Returns the folder for cached results of stages: beside the work folder.
 std::filesystem::path cache_folder(const DataOptions& options);
+// Returns the folder in which what goes to an object store is staged: beside the work folder.
+std::filesystem::path stage_folder(const DataOptions& options);
 
 }  // namespace divemesh::cli

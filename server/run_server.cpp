@@ -33,6 +33,8 @@ void hand_on_catalog(const ServerConfig& config) {
 std::vector<std::string> worker_command(const ServerConfig& config) {
     std::vector<std::string> command = {"/proc/self/exe",
                                         "worker",
+                                        "--data",
+                                        config.data.string(),
                                         "--blobs",
                                         config.blobs_url,
                                         "--min-free",

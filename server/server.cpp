@@ -133,7 +133,8 @@ std::unique_ptr<storage::BlobStore> open_blobs(const ServerConfig& config,
     auto blobs =
         storage::open_blob_store(config.blobs_url,
                                  storage::has_data_id(catalog) ? storage::Opening::ExistingOnly
-                                                               : storage::Opening::CreateIfMissing);
+                                                               : storage::Opening::CreateIfMissing,
+                                 config.data / "staged");
     storage::claim_data(catalog, *blobs);
     return blobs;
 }
@@ -163,21 +164,23 @@ struct Server::Implementation {
           blobs(open_blobs(config, catalog)),
           first_token(admit(config, endpoint.address().is_loopback(), catalog)),
           pool(static_cast<std::size_t>(config.num_blocking_threads)),
+          transfers(static_cast<std::size_t>(config.num_transfer_threads)),
           events(catalog, pool),
           locks(io.get_executor()),
           acceptor(open_acceptor(io, endpoint)) {
         acceptor.non_blocking(true);
         catalog.reserve(static_cast<std::size_t>(config.num_io_threads) +
-                        static_cast<std::size_t>(config.num_blocking_threads));
+                        static_cast<std::size_t>(config.num_blocking_threads) +
+                        static_cast<std::size_t>(config.num_transfer_threads));
         endpoint = acceptor.local_endpoint();
     }
 
     SessionContext context() {
         api::Services services{
-            catalog,   *blobs,         pool,         locks,      hashes,           forecast,
-            keys,      tokens,         share_visits, rates,      failed_logins,    metrics,
-            readiness, reserve,        reports,      sensor_hub, config.make_room, stopping,
-            limits,    config.no_auth, config.page};
+            catalog,  *blobs,    pool,           transfers,    locks,      hashes,
+            forecast, keys,      tokens,         share_visits, rates,      failed_logins,
+            metrics,  readiness, reserve,        reports,      sensor_hub, config.make_room,
+            stopping, limits,    config.no_auth, config.page};
         return {services, events, config.timeouts};
     }
 
@@ -214,6 +217,7 @@ struct Server::Implementation {
     std::atomic<bool> stopping = false;
     asio::io_context io;
     asio::thread_pool pool;
+    asio::thread_pool transfers;
     api::SensorHub sensor_hub;
     api::ReportQueue reports{
         catalog, pool, sensor_hub, [this] { return api::has_room(context().services); }};
@@ -343,6 +347,7 @@ asio::awaitable<void> Server::Implementation::drain() {
         pause.expires_after(10ms);
         co_await pause.async_wait(kAwaitErrors);
     }
+    blobs->stop_transfers();  // what is not yet in the object store stays staged
     io.stop();
 }
 
@@ -378,6 +383,7 @@ void Server::run() {
         self.io.run();
     }
     self.pool.join();
+    self.transfers.join();
 }
 
 void Server::reload_certificate() {

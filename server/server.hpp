@@ -34,6 +34,7 @@ struct ServerConfig {
     std::string blobs_url;                  // "": blobs/ in `data`
     int num_io_threads = 2;
     int num_blocking_threads = 8;           // for SQL, disk and hashing
+    int num_transfer_threads = 4;           // each turns one upload at a time into a blob
     int num_workers = 0;                    // processes to start and supervise
     bool no_auth = false;                   // loopback only
     std::filesystem::path tls_certificate;  // PEM chain, with tls_key; both empty: no TLS

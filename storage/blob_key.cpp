@@ -44,4 +44,12 @@ std::vector<std::string> split_key(std::string_view key) {
     return parts;
 }
 
+std::string folder_of_prefix(const std::string& prefix) {
+    if (!prefix.ends_with('/'))
+        throw Error(ErrorCode::InvalidArgument, "a prefix of blobs ends with a slash: " + prefix);
+    std::string folder = prefix.substr(0, prefix.size() - 1);
+    split_key(folder);
+    return folder;
+}
+
 }  // namespace divemesh::storage

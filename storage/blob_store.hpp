@@ -34,9 +34,10 @@ public:
     virtual int descriptor() const { return -1; }
 };
 
-// Stores archives and artifacts: a directory (write to temp, fsync, rename, fsync the directory);
-// later an S3 bucket. Keys are made by the program ("dives/<id>/archive"), of [a-z0-9._/-] only,
-// and checked: Error{InvalidArgument}. Thread-safe.
+// Stores archives and artifacts: a directory (write to temp, fsync, rename, fsync the directory) or
+// a bucket of an object store, whose uploads are staged on the server's own disk. Keys are made by
+// the program ("dives/<id>/archive"), of [a-z0-9._/-] only, and checked: Error{InvalidArgument}.
+// Thread-safe.
 class BlobStore {
 public:
     virtual ~BlobStore() = default;
@@ -48,21 +49,26 @@ public:
     virtual std::int64_t staged_size_bytes(const std::string& key) = 0;  // 0: there is none
     virtual std::unique_ptr<BlobReader> read_staged(const std::string& key) = 0;
     virtual void remove_staged(const std::string& key) = 0;
-    // Makes staged bytes a blob, atomically. Does nothing if `key` exists already.
+    // Makes staged bytes a blob, atomically. Does nothing if they have become it before.
     virtual void commit_staged(const std::string& staged_key, const std::string& key) = 0;
 
     // Stores a file. It is durable when the call returns; readers see all of it or no blob.
     virtual void put_file(const std::string& key, const std::filesystem::path& file) = 0;
     virtual std::unique_ptr<BlobReader> open(const std::string& key) = 0;  // throws NotFound
-    // Returns a path on this machine to read the blob from: the blob's own file, or a copy in
-    // `scratch`.
+    // Returns a path on this machine to read the blob from: the blob's own file, or the file
+    // `copy`, which is written. A copy must have this hash, if one is given: Error{Unavailable}.
     virtual std::filesystem::path local_copy(const std::string& key,
-                                             const std::filesystem::path& scratch) = 0;
+                                             const std::filesystem::path& copy,
+                                             const std::string& sha256 = "") = 0;
     virtual bool exists(const std::string& key) = 0;
     virtual void remove(const std::string& key) = 0;  // does nothing if there is none
     virtual void remove_prefix(const std::string& prefix) = 0;
     // Returns the names directly below a prefix that ends with a slash.
     virtual std::vector<std::string> children(const std::string& prefix) = 0;
+    // Ends the transfers over a network that are under way, and begins no more: they throw
+    // Error{Unavailable}.
+    virtual void stop_transfers() {}
+    // Of the disk that takes the uploads; the largest number where none limits them.
     virtual std::int64_t free_bytes() = 0;
 
     // The id by which the store belongs to a catalog (storage/data_id.hpp), read anew each time;
@@ -72,9 +78,11 @@ public:
     virtual std::string location() const = 0;             // for messages
 };
 
-// Opens `file:///path` or a plain path. Throws Error{InvalidArgument} for an unsupported scheme,
-// Error{Unavailable} if there is no store and none may be created.
+// Opens `file:///path`, a plain path, or s3://bucket?endpoint=... (s3_location.hpp). A bucket
+// stages uploads in the folder `stage`; without one it takes none. Throws Error{InvalidArgument}
+// for an unsupported scheme, Error{Unavailable} if there is no store and none may be created.
 std::unique_ptr<BlobStore> open_blob_store(const std::string& url,
-                                           Opening opening = Opening::CreateIfMissing);
+                                           Opening opening = Opening::CreateIfMissing,
+                                           const std::filesystem::path& stage = {});
 
 }  // namespace divemesh::storage

@@ -7,7 +7,6 @@
 #include <fcntl.h>
 #include <stdio.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <unistd.h>
 #include <vector>
 
@@ -15,150 +14,70 @@
 #include "storage/blob_key.hpp"
 #include "storage/directory_files.hpp"
 #include "storage/fault_point.hpp"
+#include "storage/file_reader.hpp"
 #include "storage/ids.hpp"
+#include "storage/upload_stage.hpp"
 
 namespace divemesh::storage {
 namespace {
 
 namespace fs = std::filesystem;
 constexpr std::size_t kCopyBytes = 1 << 20;
-constexpr std::int64_t kWriteBackBytes = 8 << 20;
 constexpr std::chrono::hours kTemporaryFilesLive{24};
 constexpr const char* kDataIdName = "data-id";
 constexpr std::size_t kMaxDataIdBytes = 128;
-
-class DirectoryReader : public BlobReader {
-public:
-    explicit DirectoryReader(FileDescriptor file) : file_(std::move(file)) {}
-
-    std::int64_t size_bytes() const override { return size_of(file_); }
-    int descriptor() const override { return file_.get(); }
-    std::size_t read_at(std::int64_t offset, std::span<char> buffer) override {
-        for (;;) {
-            const auto n = pread(file_.get(), buffer.data(), buffer.size(), offset);
-            if (n >= 0) return static_cast<std::size_t>(n);
-            if (errno != EINTR) throw_errno("reading stored data");
-        }
-    }
-
-private:
-    FileDescriptor file_;
-};
-
-class DirectoryStagedBlob : public StagedBlob {
-public:
-    // Bytes that a killed server wrote may not have reached the disk; this makes them durable.
-    DirectoryStagedBlob(FileDescriptor file, std::int64_t num_durable_bytes)
-        : file_(std::move(file)), num_durable_bytes_(num_durable_bytes) {
-        flush();
-        if (lseek(file_.get(), 0, SEEK_END) < 0) throw_errno("opening staged data");
-    }
-
-    void write(std::span<const char> bytes) override {
-        write_all(file_, bytes, "an upload");
-        num_new_bytes_ += static_cast<std::int64_t>(bytes.size());
-        if (num_new_bytes_ < kWriteBackBytes) return;
-        start_write_back(file_);
-        num_new_bytes_ = 0;
-    }
-    std::int64_t flush() override {
-        if (is_broken_)
-            throw Error(ErrorCode::Unavailable, "the disk has refused this upload: try again");
-        try {
-            sync(file_);
-        } catch (const Error&) {
-            // The kernel has dropped the bytes, and would call the next fsync() a success.
-            is_broken_ = true;
-            cut_off(num_durable_bytes_);
-            is_broken_ = false;
-            throw;
-        }
-        return num_durable_bytes_ = size_bytes();
-    }
-    std::int64_t size_bytes() const override { return size_of(file_); }
-
-private:
-    void cut_off(std::int64_t size) const {
-        if (size >= size_bytes()) return;
-        if (ftruncate(file_.get(), size) != 0 || lseek(file_.get(), size, SEEK_SET) < 0)
-            throw_errno("cutting off what the disk did not take");
-    }
-
-    FileDescriptor file_;
-    std::int64_t num_durable_bytes_;
-    bool is_broken_ = false;          // bytes behind the durable ones could not be cut off
-    std::int64_t num_new_bytes_ = 0;  // not yet started to write to the disk
-};
 
 class DirectoryBlobStore : public BlobStore {
 public:
     DirectoryBlobStore(const std::string& folder, Opening opening)
         : folder_(checked(folder, opening)),
           blobs_(make_area("blobs")),
-          staged_(make_area("staged")),
+          stage_(make_area("staged")),
           temporary_(make_area("tmp")) {
         remove_old_temporary_files();
     }
 
     std::unique_ptr<StagedBlob> open_staged(const std::string& key,
                                             std::int64_t num_durable_bytes) override {
-        const auto parts = split_key(key);
-        const FileDescriptor parent = open_parent(staged_, parts, true);
-        FileDescriptor file = open_file(parent, parts.back(), O_RDWR | O_CREAT);
-        sync(parent);
-        return std::make_unique<DirectoryStagedBlob>(std::move(file), num_durable_bytes);
+        return stage_.open(key, num_durable_bytes);
     }
-
     std::int64_t staged_size_bytes(const std::string& key) override {
-        const FileDescriptor file = find(staged_, key);
-        return file.is_open() ? size_of(file) : 0;
+        return stage_.size_bytes(key);
     }
-
     std::unique_ptr<BlobReader> read_staged(const std::string& key) override {
-        return reader(staged_, key);
+        return stage_.read(key);
     }
-    void remove_staged(const std::string& key) override { unlink(staged_, key); }
+    void remove_staged(const std::string& key) override { stage_.remove(key); }
     void commit_staged(const std::string& staged_key, const std::string& key) override;
 
     void put_file(const std::string& key, const fs::path& file) override;
     std::unique_ptr<BlobReader> open(const std::string& key) override {
-        return reader(blobs_, key);
+        FileDescriptor file = find(key);
+        if (!file.is_open()) throw_missing(key);
+        return read_open_file(std::move(file));
     }
-    fs::path local_copy(const std::string& key, const fs::path&) override {
+    fs::path local_copy(const std::string& key, const fs::path&, const std::string&) override {
         if (!exists(key)) throw_missing(key);
         return folder_ / "blobs" / key;
     }
-    bool exists(const std::string& key) override { return find(blobs_, key).is_open(); }
-    void remove(const std::string& key) override { unlink(blobs_, key); }
+    bool exists(const std::string& key) override { return find(key).is_open(); }
+    void remove(const std::string& key) override { remove_file(blobs_, key); }
     void remove_prefix(const std::string& prefix) override;
     std::vector<std::string> children(const std::string& prefix) override;
-    std::int64_t free_bytes() override;
+    std::int64_t free_bytes() override { return free_bytes_of(blobs_); }
     std::string data_id() override;
     void set_data_id(const std::string& id) override;
     std::string location() const override { return fs::absolute(folder_).string(); }
 
 private:
     static fs::path checked(const fs::path& folder, Opening opening);
-    FileDescriptor make_area(const std::string& name) const;
+    FileDescriptor make_area(const std::string& name) const { return make_folder(folder_ / name); }
     void remove_old_temporary_files() const;
     void publish(const FileDescriptor& from, const std::string& name, const std::string& key);
 
-    static FileDescriptor find(const FileDescriptor& area, const std::string& key) {
+    FileDescriptor find(const std::string& key) const {
         const auto parts = split_key(key);
-        return open_file(open_parent(area, parts, false), parts.back(), O_RDONLY);
-    }
-    static std::unique_ptr<BlobReader> reader(const FileDescriptor& area, const std::string& key) {
-        FileDescriptor file = find(area, key);
-        if (!file.is_open()) throw_missing(key);
-        return std::make_unique<DirectoryReader>(std::move(file));
-    }
-    static void unlink(const FileDescriptor& area, const std::string& key) {
-        const auto parts = split_key(key);
-        const FileDescriptor parent = open_parent(area, parts, false);
-        if (!parent.is_open()) return;
-        if (unlinkat(parent.get(), parts.back().c_str(), 0) != 0 && errno != ENOENT)
-            throw_errno("removing stored data");
-        sync(parent);
+        return open_file(open_parent(blobs_, parts, false), parts.back(), O_RDONLY);
     }
     [[noreturn]] static void throw_missing(const std::string& key) {
         throw Error(ErrorCode::NotFound, "no stored data " + key);
@@ -166,19 +85,9 @@ private:
 
     fs::path folder_;
     FileDescriptor blobs_;
-    FileDescriptor staged_;
+    UploadStage stage_;
     FileDescriptor temporary_;
 };
-
-FileDescriptor DirectoryBlobStore::make_area(const std::string& name) const {
-    std::error_code failure;
-    fs::create_directories(folder_ / name, failure);
-    if (failure)
-        throw Error(ErrorCode::Unavailable,
-                    "cannot create " + (folder_ / name).string() + ": " + failure.message());
-    sync(open_folder(folder_));
-    return open_folder(folder_ / name);
-}
 
 // Removes what killed copies left behind.
 void DirectoryBlobStore::remove_old_temporary_files() const {
@@ -190,7 +99,7 @@ void DirectoryBlobStore::remove_old_temporary_files() const {
 
 void DirectoryBlobStore::commit_staged(const std::string& staged_key, const std::string& key) {
     const auto parts = split_key(staged_key);
-    const FileDescriptor parent = open_parent(staged_, parts, false);
+    const FileDescriptor parent = open_parent(stage_.folder(), parts, false);
     const FileDescriptor file = open_file(parent, parts.back(), O_RDONLY);
     if (!file.is_open()) {
         const FileDescriptor committed = open_parent(blobs_, split_key(key), false);
@@ -238,15 +147,8 @@ void DirectoryBlobStore::publish(const FileDescriptor& from,
     sync(parent);
 }
 
-std::string folder_of(const std::string& prefix) {
-    if (!prefix.ends_with('/'))
-        throw Error(ErrorCode::InvalidArgument, "a prefix of blobs ends with a slash: " + prefix);
-    return prefix.substr(0, prefix.size() - 1);
-}
-
 std::vector<std::string> DirectoryBlobStore::children(const std::string& prefix) {
-    const std::string folder = folder_of(prefix);
-    split_key(folder);
+    const std::string folder = folder_of_prefix(prefix);
     std::vector<std::string> names;
     std::error_code missing;
     for (const auto& entry : fs::directory_iterator(folder_ / "blobs" / folder, missing))
@@ -256,7 +158,7 @@ std::vector<std::string> DirectoryBlobStore::children(const std::string& prefix)
 }
 
 void DirectoryBlobStore::remove_prefix(const std::string& prefix) {
-    const std::string folder = folder_of(prefix);
+    const std::string folder = folder_of_prefix(prefix);
     const auto parts = split_key(folder);
     const FileDescriptor parent = open_parent(blobs_, parts, false);
     if (!parent.is_open()) return;
@@ -265,12 +167,6 @@ void DirectoryBlobStore::remove_prefix(const std::string& prefix) {
     if (failure)
         throw Error(ErrorCode::Unavailable, "removing " + prefix + ": " + failure.message());
     sync(parent);
-}
-
-std::int64_t DirectoryBlobStore::free_bytes() {
-    struct statvfs status {};
-    if (fstatvfs(blobs_.get(), &status) != 0) throw_errno("asking for free space");
-    return static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
 }
 
 // Returns the folder. Throws if it is no store and may not become one.

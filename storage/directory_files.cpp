@@ -4,9 +4,11 @@
 #include <cstring>
 #include <fcntl.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <unistd.h>
 
 #include "schemas/error.hpp"
+#include "storage/blob_key.hpp"
 #include "storage/fault_point.hpp"
 
 namespace divemesh::storage {
@@ -43,6 +45,16 @@ FileDescriptor open_folder(const std::string& path) {
     return folder;
 }
 
+FileDescriptor make_folder(const std::filesystem::path& path) {
+    std::error_code failure;
+    std::filesystem::create_directories(path, failure);
+    if (failure)
+        throw Error(ErrorCode::Unavailable,
+                    "cannot create " + path.string() + ": " + failure.message());
+    sync(open_folder(path.parent_path().string()));
+    return open_folder(path.string());
+}
+
 FileDescriptor open_parent(const FileDescriptor& root,
                            const std::vector<std::string>& parts,
                            bool make) {
@@ -60,6 +72,15 @@ FileDescriptor open_file(const FileDescriptor& folder, const std::string& name, 
     return file;
 }
 
+void remove_file(const FileDescriptor& folder, const std::string& key) {
+    const auto parts = split_key(key);
+    const FileDescriptor parent = open_parent(folder, parts, false);
+    if (!parent.is_open()) return;
+    if (unlinkat(parent.get(), parts.back().c_str(), 0) != 0 && errno != ENOENT)
+        throw_errno("removing stored data");
+    sync(parent);
+}
+
 void write_all(const FileDescriptor& file, std::span<const char> bytes, const std::string& what) {
     while (!bytes.empty()) {
         const auto n = ::write(file.get(), bytes.data(), bytes.size());
@@ -73,6 +94,12 @@ std::int64_t size_of(const FileDescriptor& file) {
     struct stat status {};
     if (fstat(file.get(), &status) != 0) throw_errno("asking for the size of stored data");
     return status.st_size;
+}
+
+std::int64_t free_bytes_of(const FileDescriptor& file_or_folder) {
+    struct statvfs status {};
+    if (fstatvfs(file_or_folder.get(), &status) != 0) throw_errno("asking for free space");
+    return static_cast<std::int64_t>(status.f_bavail) * static_cast<std::int64_t>(status.f_frsize);
 }
 
 void sync(const FileDescriptor& file_or_folder) {

@@ -17,6 +17,7 @@ no_colmap() { ! command -v colmap >/dev/null; }
 no_chromium() { ! command -v chromium >/dev/null; }
 no_gdal() { ! command -v gdalinfo >/dev/null; }
 no_postgresql() { ! compgen -G '/usr/lib/postgresql/*/bin/postgres' >/dev/null; }
+no_ceph() { ! command -v ceph-osd >/dev/null || ! command -v radosgw >/dev/null; }
 no_avx2() { ! grep -qw avx2 /proc/cpuinfo; }
 
 # "status name" of every test.
@@ -36,7 +37,7 @@ while read -r condition test reason; do
     expression="[./]$test(/[^/]*)?\$"
     grep -qE "$expression" <<<"$tests" || complain "$list: no test is called $test"
     case $condition in
-        no_shared_data | no_mount | no_user_namespace | no_colmap | no_chromium | no_gdal | no_avx2 | no_postgresql) ;;
+        no_shared_data | no_mount | no_user_namespace | no_colmap | no_chromium | no_gdal | no_avx2 | no_postgresql | no_ceph) ;;
         *) complain "$list: there is no condition $condition" && continue ;;
     esac
     ! "$condition" || allowed+=(-e "$expression")

@@ -81,9 +81,9 @@ PortlessService::PortlessService()
 PortlessService::~PortlessService() { pool_.join(); }
 
 api::Services PortlessService::services() {
-    return {catalog_, *blobs_,       pool_,      locks_,    hashes_,  forecast_,  keys_,
-            tokens_,  share_visits_, rates_,     rates_,    metrics_, readiness_, reserve_,
-            reports_, sensor_hub_,   make_room_, stopping_, limits_,  true};
+    return {catalog_, *blobs_,  pool_,         pool_,      locks_,    hashes_,  forecast_,
+            keys_,    tokens_,  share_visits_, rates_,     rates_,    metrics_, readiness_,
+            reserve_, reports_, sensor_hub_,   make_room_, stopping_, limits_,  true};
 }
 
 api::Response PortlessService::ask(api::Request request, std::string_view body) {

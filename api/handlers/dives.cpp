@@ -101,7 +101,7 @@ Awaitable<Response> create_dive(Request request, Services services) {
         auto catalog = audited(services, request);
         return make_dive(services, catalog, upload, plan, sha256);
     };
-    const MadeDive made = co_await in_pool(services.pool, std::move(work));
+    const MadeDive made = co_await in_pool(services.transfers, std::move(work));
     Response response =
         json_response(made.is_new ? http::status::created : http::status::ok, made.dive);
     response.set("Location", "/api/v1/dives/" + made.dive.id);

@@ -63,7 +63,7 @@ Awaitable<Response> with_truth(
         return make_truth(
             services, upload.dive_id.empty() ? catalog : services.catalog, upload, plan, sha256);
     };
-    const TruthFile made = co_await in_pool(services.pool, std::move(work));
+    const TruthFile made = co_await in_pool(services.transfers, std::move(work));
     response.audited = upload.dive_id.empty();
     upload.expires_at_ms = 0;
     set_progress(response, upload);
@@ -85,7 +85,7 @@ Awaitable<Response> with_dive(
         return make_dive(
             services, upload.dive_id.empty() ? catalog : services.catalog, upload, plan, sha256);
     };
-    const MadeDive made = co_await in_pool(services.pool, std::move(work));
+    const MadeDive made = co_await in_pool(services.transfers, std::move(work));
     response.audited = upload.dive_id.empty();  // otherwise it was a dive before
     upload.expires_at_ms = 0;
     set_progress(response, upload);

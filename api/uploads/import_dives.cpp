@@ -198,7 +198,7 @@ Awaitable<void> import_one(Services services, const ImportRequest& request, fs::
     const auto never = std::make_shared<std::atomic<bool>>(false);
     const std::string sha256 = co_await hash_archive(services, upload, never);
     auto make = [import, sha256] { return import->enter_dive(sha256); };
-    const MadeDive made = co_await in_pool(services.pool, std::move(make));
+    const MadeDive made = co_await in_pool(services.transfers, std::move(make));
     log_info({{"event", "import_taken"},
               {"name", name},
               {"dive", made.dive.id},

@@ -31,7 +31,8 @@ Awaitable<std::string> hash_archive(Services services, Upload upload, StopFlag s
 // it in the catalog. Safe to repeat after any crash. The caller holds the upload lock. Throws
 // Error{Conflict} for an incomplete upload, Error{OutOfQuota}, Error{BadData} for one that differs
 // from its stated sha256, Error{Gone} if the dive was deleted since. `catalog` (api/audit) enters
-// the dive. Blocks: run it in the pool.
+// the dive. Blocks, with an object store for as long as the transfer to it takes: run it in the
+// pool for transfers.
 MadeDive make_dive(const Services& services,
                    storage::Catalog& catalog,
                    const Upload& upload,

@@ -11,7 +11,7 @@ namespace divemesh::api {
 
 // Makes truth of a complete upload, as make_dive() makes a dive. Safe to repeat after any crash;
 // the caller holds the upload lock. Throws as make_dive() does, Error{NotFound} if its dive is
-// gone, and Error{Conflict} if the dive is deleted or refused. Blocks: run it in the pool.
+// gone, and Error{Conflict} if the dive is deleted or refused. Blocks as make_dive() does.
 TruthFile make_truth(const Services& services,
                      storage::Catalog& catalog,
                      const Upload& upload,

@@ -77,7 +77,7 @@ Awaitable<void> make_one(Services services, std::string upload_id) {
             throw;
         }
     };
-    co_await in_pool(services.pool, std::move(make));
+    co_await in_pool(services.transfers, std::move(make));
 }
 
 }  // namespace

@@ -11,16 +11,30 @@ namespace divemesh {
 
 using namespace std::chrono_literals;
 
-Served::Served(const std::filesystem::path& program, const std::filesystem::path& data)
-    : process_({program.string(),
-                "serve",
-                "--data",
-                data.string(),
-                "--listen",
-                "127.0.0.1:0",
-                "--workers",
-                "0"},
-               data.parent_path()) {
+namespace {
+
+std::vector<std::string> command_of(const std::filesystem::path& program,
+                                    const std::filesystem::path& data,
+                                    const std::vector<std::string>& options) {
+    std::vector<std::string> command = {program.string(),
+                                        "serve",
+                                        "--data",
+                                        data.string(),
+                                        "--listen",
+                                        "127.0.0.1:0",
+                                        "--workers",
+                                        "0"};
+    command.insert(command.end(), options.begin(), options.end());
+    return command;
+}
+
+}  // namespace
+
+Served::Served(const std::filesystem::path& program,
+               const std::filesystem::path& data,
+               const std::vector<std::string>& options,
+               const Process::Environment& environment)
+    : process_(command_of(program, data, options), data.parent_path(), environment) {
     const std::string mark = "listening on ";
     const bool up =
         wait_until(60s, [&] { return process_.stdout_text().find('\n') != std::string::npos; });

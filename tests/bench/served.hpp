@@ -14,7 +14,10 @@ namespace divemesh {
 class Served {
 public:
     // Throws std::runtime_error with the server's stderr if it does not start.
-    Served(const std::filesystem::path& program, const std::filesystem::path& data);
+    Served(const std::filesystem::path& program,
+           const std::filesystem::path& data,
+           const std::vector<std::string>& options = {},
+           const Process::Environment& environment = {});
 
     const std::string& address() const { return address_; }
     int port() const { return std::stoi(address_.substr(address_.rfind(':') + 1)); }

@@ -63,7 +63,13 @@ fs::path small_dive() {
     // clang-format on
 }
 
-Service::Service(std::string catalog_url) : catalog_url_(std::move(catalog_url)) {
+Service::Service(std::string catalog_url) : Service(std::move(catalog_url), "", {}) {}
+
+Service::Service(std::string blobs, Process::Environment keys)
+    : Service("", std::move(blobs), std::move(keys)) {}
+
+Service::Service(std::string catalog_url, std::string blobs, Process::Environment keys)
+    : catalog_url_(std::move(catalog_url)), blobs_(std::move(blobs)), keys_(std::move(keys)) {
     const Outcome made =
         run({"token", "create", "--data", data(), "--name", "test", "--scope", "admin"});
     if (made.exit_code != 0) throw std::runtime_error(made.err);
@@ -75,12 +81,13 @@ void Service::start_server(int num_workers) {
         address_.empty() ? "127.0.0.1:0" : address_.substr(std::string("http://").size());
     server_.reset();
     // clang-format off
-    server_.emplace(std::vector<std::string>{divemesh_program().string(), "serve",
-                                             "--data", data(), "--listen", listen,
-                                             "--workers", std::to_string(num_workers),
-                                             "--allow-origin", "http://lab.example"},
-                    folder_.path(), environment());
+    std::vector<std::string> command = {divemesh_program().string(), "serve",
+                                        "--data", data(), "--listen", listen,
+                                        "--workers", std::to_string(num_workers),
+                                        "--allow-origin", "http://lab.example"};
     // clang-format on
+    if (!blobs_.empty()) command.insert(command.end(), {"--blobs", blobs_});
+    server_.emplace(command, folder_.path(), environment());
     std::string address;
     wait_until(std::chrono::seconds(60), [&] {
         address = address_in(server_->stdout_text());
@@ -93,7 +100,13 @@ void Service::start_server(int num_workers) {
 
 void Service::kill_server() { server_->kill(); }
 
-Process Service::start_worker() const { return start({"worker", "--data", data()}); }
+Process Service::start_worker() const {
+    if (blobs_.empty()) return start({"worker", "--data", data()});
+    // clang-format off
+    return start({"worker", "--catalog", "sqlite://" + data() + "/catalog.db", "--blobs", blobs_,
+                  "--data", (folder_ / "scratch").string()});
+    // clang-format on
+}
 
 Process Service::start(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), divemesh_program().string());
@@ -141,10 +154,11 @@ std::vector<std::string> Service::processes() const {
 }
 
 Process::Environment Service::environment() const {
-    Process::Environment environment = {{"DIVEMESH_TOKEN", token_},
-                                        {"DIVEMESH_SERVER", address_},
-                                        {"XDG_STATE_HOME", (folder_ / "state").string()},
-                                        {"XDG_CONFIG_HOME", (folder_ / "config").string()}};
+    Process::Environment environment = keys_;
+    environment.insert({{"DIVEMESH_TOKEN", token_},
+                        {"DIVEMESH_SERVER", address_},
+                        {"XDG_STATE_HOME", (folder_ / "state").string()},
+                        {"XDG_CONFIG_HOME", (folder_ / "config").string()}});
     if (!catalog_url_.empty()) environment["DIVEMESH_CATALOG"] = catalog_url_;
     return environment;
 }

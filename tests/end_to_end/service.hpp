@@ -30,10 +30,13 @@ class Service {
 public:
     // `catalog_url` "": a catalog in the data folder.
     explicit Service(std::string catalog_url = "");
+    // Its blobs are in an object store, to which the environment has the keys.
+    Service(std::string blobs, Process::Environment keys);
 
     // Starts the server, on the port of its first start, so that a client finds it again.
     void start_server(int num_workers);
     void kill_server();
+    // Without the server's data folder where the blobs are in an object store.
     Process start_worker() const;
 
     // Starts `divemesh` with these arguments as a user of this server.
@@ -56,11 +59,15 @@ public:
     std::vector<std::string> processes() const;  // command lines that name our folder
 
 private:
+    Service(std::string catalog_url, std::string blobs, Process::Environment keys);
+
     std::string data() const { return (folder_ / "data").string(); }
     Process::Environment environment() const;
 
     TemporaryFolder folder_;
     std::string catalog_url_;
+    std::string blobs_;  // "": in the data folder
+    Process::Environment keys_;
     std::string token_;
     std::string address_;
     std::optional<Process> server_;

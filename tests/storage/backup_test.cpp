@@ -42,8 +42,10 @@ public:
         blobs_.remove(key);
         return blobs_.open(key);
     }
-    fs::path local_copy(const std::string& key, const fs::path& scratch) override {
-        return blobs_.local_copy(key, scratch);
+    fs::path local_copy(const std::string& key,
+                        const fs::path& copy,
+                        const std::string& sha256) override {
+        return blobs_.local_copy(key, copy, sha256);
     }
     bool exists(const std::string& key) override { return blobs_.exists(key); }
     void remove(const std::string& key) override { blobs_.remove(key); }

@@ -62,8 +62,9 @@ Failure failure_of(const ProcessEnd& end) {
 
 void bring(storage::BlobStore& blobs,
            const std::string& key,
-           const std::filesystem::path& destination) {
-    const auto there = blobs.local_copy(key, destination);
+           const std::filesystem::path& destination,
+           const std::string& sha256) {
+    const auto there = blobs.local_copy(key, destination, sha256);
     if (there != destination)
         std::filesystem::create_symlink(std::filesystem::absolute(there), destination);
 }
@@ -124,7 +125,8 @@ attempt::AttemptRequest AttemptRunner::write_request() const {
                                     .options = claim_.job.options};
     std::filesystem::create_directories(request.out);
     std::filesystem::create_directories(request.scratch);
-    request.dive = blobs_.local_copy(claim_.dive.blob, folder() / "dive");
+    request.dive =
+        blobs_.local_copy(claim_.dive.blob, folder() / "dive", claim_.dive.archive_sha256);
     fetch_inputs(request);
     if (claim_.job.lowered) lower(request.options);
     if (config_.num_threads > 0 && !request.options.contains("num_threads"))
@@ -150,7 +152,7 @@ void AttemptRunner::fetch_inputs(attempt::AttemptRequest& request) const {
         const auto own_folder = folder() / ("truth-" + option);
         std::filesystem::create_directories(own_folder);
         request.truth[option] = own_folder / plain_name(file.name);
-        bring(blobs_, file.blob, request.truth[option]);
+        bring(blobs_, file.blob, request.truth[option], file.sha256);
     }
     for (const TruthFile& file : inputs.set_aside) request.findings.push_back(set_aside(file));
     request.history = inputs.history;
@@ -163,7 +165,7 @@ void AttemptRunner::fetch_reconstruction(const std::vector<Artifact>& artifacts,
         const std::filesystem::path name = artifact.name;
         if (!is_read_again(artifact.name) || !is_below(name)) continue;
         std::filesystem::create_directories((into / name).parent_path());
-        bring(blobs_, artifact.blob, into / name);
+        bring(blobs_, artifact.blob, into / name, artifact.sha256);
     }
 }
 

@@ -7,6 +7,7 @@
 #include <linux/close_range.h>
 #include <poll.h>
 #include <sched.h>
+#include <string_view>
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -40,9 +41,20 @@ bool cut_network(const std::string& user_map) {
                                 static_cast<ssize_t>(user_map.size());
 }
 
+// Returns the environment of the child: without the keys of the object store, which only the parent
+// needs.
+std::vector<char*> environment_of_child() {
+    std::vector<char*> kept;
+    for (char** variable = environ; *variable != nullptr; ++variable)
+        if (!std::string_view(*variable).starts_with("AWS_")) kept.push_back(*variable);
+    kept.push_back(nullptr);
+    return kept;
+}
+
 // Runs between fork and exec in a process with threads, so only async-signal-safe calls are
 // allowed.
 [[noreturn]] void become(char* const* arguments,
+                         char* const* environment,
                          int pipe_end,
                          pid_t parent,
                          const ProcessLimits& limits,
@@ -67,7 +79,7 @@ bool cut_network(const std::string& user_map) {
     limit(RLIMIT_CPU, limits.max_cpu_s, 5);  // SIGXCPU, five seconds later SIGKILL
     const rlimit no_core{0, 0};
     setrlimit(RLIMIT_CORE, &no_core);
-    execv(arguments[0], arguments);
+    execve(arguments[0], arguments, environment);
     _exit(127);
 }
 
@@ -93,11 +105,13 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const Proces
     arguments.reserve(command.size() + 1);
     for (const std::string& word : command) arguments.push_back(const_cast<char*>(word.c_str()));
     arguments.push_back(nullptr);
+    const std::vector<char*> environment = environment_of_child();
     const pid_t parent = getpid();
     const std::string user_map = own_user_map();
 
     pid_ = fork();
-    if (pid_ == 0) become(arguments.data(), childs_end.get(), parent, limits, user_map);
+    if (pid_ == 0)
+        become(arguments.data(), environment.data(), childs_end.get(), parent, limits, user_map);
     if (pid_ < 0) throw Error(ErrorCode::Unavailable, std::string("fork: ") + std::strerror(errno));
     setpgid(pid_, pid_);  // parent and child both call it, as either may run first
 }

@@ -113,7 +113,9 @@ void write_limits(const pipeline::ReconstructionRequest& request) {
     }
     file << request.cache_bytes << ' ' << request.cache.filename().string() << ' '
          << tcp_to_nowhere() << '\n'
-         << program_of_others() << '\n';
+         << program_of_others() << '\n'
+         << (std::getenv("AWS_SECRET_ACCESS_KEY") == nullptr ? "no keys" : "keys") << ' '
+         << (std::getenv("PATH") == nullptr ? "no path" : "path") << '\n';
 }
 
 // In the first attempt, waits for the file MARKER.go; later attempts find the marker and do not

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <cstdlib>
 #include <gmock/gmock.h>
 #include <sstream>
 #include <string>
@@ -102,7 +103,8 @@ TEST_F(JobRunnerTest, AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
     EXPECT_EQ(jobs_.get(job.id).failure.code, ErrorCode::OutOfSpace);
 }
 
-TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetworkAndStartsNothing) {
+TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetworkNoKeysAndStartsNothing) {
+    setenv("AWS_SECRET_ACCESS_KEY", "secret", 1);  // the worker gets it
     const Job job = make_job("limits");
     Process worker = start_worker("600000", "1000000000", "123456789");
     ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
@@ -113,9 +115,11 @@ TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetworkAndStartsNothing) {
     std::string cache_name;
     std::string network;
     std::string processes;
+    std::string environment;
     limits >> memory >> file >> open_files >> cpu_s >> cache >> cache_name;
     std::getline(limits >> std::ws, network);
     std::getline(limits >> std::ws, processes);
+    std::getline(limits >> std::ws, environment);
 
     EXPECT_GT(memory, 0);
     EXPECT_LT(memory, sysconf(_SC_PHYS_PAGES) * sysconf(_SC_PAGESIZE));
@@ -128,6 +132,7 @@ TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetworkAndStartsNothing) {
                      worker.stdout_text().find("have network access") == std::string::npos;
     EXPECT_EQ(network, cut ? "no network" : "network");
     EXPECT_EQ(processes, "no processes");
+    EXPECT_EQ(environment, "no keys path");
 }
 
 }  // namespace
