@@ -90,9 +90,7 @@ protected:
         tiny_.replace(file, "[64, 48]", "[128, 96]");
         tiny_.replace(file, "[50.0, 50.0, 32.0, 24.0]", "[100.0, 100.0, 64.5, 48.5]");
     }
-    std::unique_ptr<Dive> open() const {
-        return Dive::open(tiny_.folder(), folder_ / "scratch");
-    }
+    std::unique_ptr<Dive> open() const { return Dive::open(tiny_.folder(), folder_ / "scratch"); }
 
     const TemporaryFolder folder_;
     const TinyDive tiny_{folder_ / "dive"};
