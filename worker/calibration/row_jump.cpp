@@ -31,6 +31,7 @@ constexpr double kMaxAstray = 0.1;  // share of the pairs that are nearer to the
 constexpr double kSlopeSigma = 0.0175;
 constexpr double kTiny = 1e-9;
 constexpr int kNumSteps = 16;
+constexpr int kSharesOfGrid = 4;      // of a jump
 constexpr double kFirstScales = 8.0;  // the scale shrinks to one of them
 
 using Model = RowJump::Model;
@@ -231,6 +232,31 @@ std::optional<bool> RowJump::is_before(const types::StereoMatches& matches) cons
     const std::vector<Sample> samples = samples_of(rig, matches);
     const double scale = scale_px(rig);
     return cost_of(samples, before, scale) < cost_of(samples, after, scale);
+}
+
+std::optional<double> RowJump::share_after(const types::StereoMatches& matches) const {
+    if (matches.size() < kMinMatchesOfPair) return std::nullopt;
+    const std::vector<Sample> samples = samples_of(rig, matches);
+    const double scale = scale_px(rig);
+    const auto at = [&](double share) -> Model { return before + share * (after - before); };
+    double best = 0.0;
+    for (int i = -kSharesOfGrid; i <= 2 * kSharesOfGrid; ++i) {
+        const double share = static_cast<double>(i) / kSharesOfGrid;
+        if (cost_of(samples, at(share), scale) < cost_of(samples, at(best), scale)) best = share;
+    }
+    for (int step = 0; step < kNumSteps; ++step) {
+        double information = kTiny;
+        double gradient = 0.0;
+        for (const Sample& sample : samples) {
+            const double error = error_px(sample, at(best));
+            const double weight = std::pow(1.0 - cost_of(error, scale), 2);
+            const double moved = (after - before).dot(sample.place);
+            information += weight * moved * moved;
+            gradient += weight * moved * error;
+        }
+        best += gradient / information;
+    }
+    return best;
 }
 
 std::optional<RowJump> find_row_jump(const types::RectifiedRig& rig,

@@ -24,6 +24,9 @@ struct RowJump {
     // Returns true if the rows of the matches of one pair are those before the jump; nullopt if
     // there are too few.
     std::optional<bool> is_before(const types::StereoMatches& matches) const;
+    // Returns how far the rows of the matches of one pair have gone: 0 before the jump, 1 after it;
+    // nullopt if there are too few.
+    std::optional<double> share_after(const types::StereoMatches& matches) const;
 };
 
 // Returns the clearest jump between pairs of the matches; nullopt if nothing jumps. A jump is

@@ -13,8 +13,9 @@
 namespace divemesh::pipeline {
 namespace {
 
-constexpr int kMinFrames = 16;  // of a span that is searched for another jump
-constexpr int kMaxTries = 3;    // frames beside the one wanted, where that shows too little
+constexpr int kMinFrames = 16;      // of a span that is searched for another jump
+constexpr double kMinSudden = 0.5;  // share of the jump
+constexpr int kMaxTries = 3;        // frames beside the one wanted, where that shows too little
 // Yaws are compared between parts, so that what else bends ranges is the same in both.
 constexpr double kYawSigma_rad = 0.0175;
 constexpr double kNoSigma = 1e-6;
@@ -50,6 +51,14 @@ int first_after(const PairMatcher& matcher, const calibration::RowJump& jump) {
     return after;
 }
 
+// Returns whether the rows go most of the way from one frame to the next, or cannot be told there.
+// Those of cameras that sway go a little with each.
+bool is_sudden(const PairMatcher& matcher, const calibration::RowJump& jump, int first_after) {
+    const auto before = jump.share_after(matcher.matches(first_after - 1));
+    const auto after = jump.share_after(matcher.matches(first_after));
+    return !before || !after || *after - *before > kMinSudden;
+}
+
 void split(const PairMatcher& matcher,
            const types::RectifiedRig& rectified,
            const types::StereoMatches& matches,
@@ -64,6 +73,10 @@ void split(const PairMatcher& matcher,
     }
     progress({});
     const int middle = first_after(matcher, *jump);
+    if (!is_sudden(matcher, *jump, middle)) {
+        found.push_back(span);
+        return;
+    }
     const FrameSpan before{span.first, middle - span.first};
     const FrameSpan after{middle, span.first + span.num - middle};
     types::StereoMatches matches_before;

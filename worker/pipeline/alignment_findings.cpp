@@ -1,7 +1,9 @@
 #include "worker/pipeline/alignment_findings.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "worker/base/angle.hpp"
 #include "worker/base/seconds.hpp"
@@ -15,7 +17,8 @@ constexpr double kMinShift_px = 0.7;  // findings begin here
 // they belong together it is 20 to 130.
 constexpr double kMinMatchesPerPair = 6.0;
 constexpr double kMinFocal = 0.0005;  // change of the focal length in mid-dive that is told
-constexpr int kMinPairs = 3;          // of fewer pairs no search says much
+constexpr double kMinTurn_deg = 0.03;
+constexpr int kMinPairs = 3;  // of fewer pairs no search says much
 
 std::string degrees(double angle_rad) { return base::fixed(base::kDegPerRad * angle_rad, 2); }
 
@@ -91,18 +94,33 @@ std::string moved_by(const types::RigPart& before, const types::RigPart& after) 
     return text;
 }
 
-// Adds a warning for each time at which something moved the right camera.
+bool are_alike(const types::RigPart& one, const types::RigPart& other) {
+    const types::RigChange::Vector change = other.values - one.values;
+    return base::kDegPerRad * change.head<3>().norm() < kMinTurn_deg &&
+           std::abs(change[types::RigChange::kFocal]) < kMinFocal;
+}
+
+// Adds a warning for each time at which something moved the right camera. Parts that show too
+// little to tell how it stands, as in open water, are none if it stands after them as before.
 void add_parts(const std::vector<types::RigPart>& parts, std::vector<Finding>& findings) {
-    for (std::size_t i = 1; i < parts.size(); ++i) {
-        const double since_s = base::to_s(parts[i].from_ns - parts[0].from_ns);
+    const auto first = std::ranges::find_if(parts, &types::RigPart::found);
+    if (first == parts.end()) return;
+    auto last = static_cast<std::size_t>(first - parts.begin());
+    for (std::size_t i = last + 1; i < parts.size(); ++i) {
+        const bool is_last = i + 1 == parts.size();
+        if (!parts[i].found && !is_last) continue;
+        const bool was_hidden = i > last + 1;
+        const std::size_t since = last + 1;
+        const types::RigPart& before = parts[std::exchange(last, i)];
+        if (was_hidden && parts[i].found && are_alike(before, parts[i])) continue;
+        const double since_s = base::to_s(parts[since].from_ns - parts[0].from_ns);
         findings.push_back(
             {Severity::Warning,
              "rig_moved",
              "mav0/cam1/data",
              "after " + base::fixed(since_s, 1) + " s (frame " +
-                 std::to_string(parts[i].first_frame) +
-                 ") something moved the cameras against each other: " +
-                 moved_by(parts[i - 1], parts[i]),
+                 std::to_string(parts[since].first_frame) +
+                 ") something moved the cameras against each other: " + moved_by(before, parts[i]),
              "The reconstruction corrects what it can tell of this unless align_cameras is off. "
              "Fix the cameras and their focus tightly, and calibrate the stereo pair again before "
              "the next dive."});

@@ -50,6 +50,20 @@ TEST(RowJumpTest, SortsAPairToTheSideWhoseRowsItHas) {
     EXPECT_EQ(jump->is_before(Pairs(turned).matches(1, 5)), std::nullopt);
 }
 
+TEST(RowJumpTest, TellsHowFarTheRowsOfAPairHaveGone) {
+    const Eigen::Vector3d degrees(0.2, 0.0, 0.3);
+    const auto jump = find_row_jump(rectified(), changing(stated_rig(), 10, knocked(degrees), 10));
+    ASSERT_TRUE(jump);
+
+    for (const double share : {0.0, 0.3, 0.6, 1.0}) {
+        const auto found =
+            jump->share_after(Pairs(knocked(share * degrees)).matches(1, kNumPoints));
+        ASSERT_TRUE(found);
+        EXPECT_NEAR(*found, share, 0.1);
+    }
+    EXPECT_EQ(jump->share_after(Pairs(stated_rig()).matches(1, 5)), std::nullopt);
+}
+
 TEST(RowJumpTest, ARigThatStaysAsItIsDoesNotJump) {
     const types::Rig turned = knocked({0.6, 0.2, 0.5});
 

@@ -95,6 +95,30 @@ TEST(AlignmentFindingsTest, EachKnockInMidDiveIsToldWithItsTime) {
     EXPECT_NE(findings[1].message.find("too few points"), std::string::npos);
 }
 
+TEST(AlignmentFindingsTest, OpenWaterBetweenPartsOfOneRigIsNoKnock) {
+    types::RigAlignment alignment;
+    alignment.outcome = types::RigAlignment::Outcome::AsStated;
+    alignment.num_pairs = 24;
+    alignment.num_matches = 3825;
+    alignment.num_inliers = 3758;
+    const auto part = [](int first, bool found, double pitch_rad) {
+        types::RigPart made{
+            .first_frame = first, .num_frames = 60, .from_ns = first * 100'000'000L};
+        made.found = found;
+        made.values[types::RigChange::kPitch] = pitch_rad;
+        return made;
+    };
+    alignment.parts = {part(0, true, 0.0), part(60, false, 0.0), part(120, true, 0.0001)};
+    EXPECT_TRUE(alignment_findings(alignment).empty());
+    alignment.parts[0].found = false;
+    EXPECT_TRUE(alignment_findings(alignment).empty()) << "the dive begins in open water";
+    alignment.parts[0].found = true;
+    alignment.parts[2] = part(120, true, 0.01);
+    ASSERT_EQ(alignment_findings(alignment).size(), 1U);
+    EXPECT_NE(alignment_findings(alignment)[0].message.find("frame 60) something moved"),
+              std::string::npos);
+}
+
 TEST(SolverFindingsTest, RowsThatAreOffAreToldEvenIfNothingIsCorrected) {
     types::RigAlignment alignment;
     alignment.outcome = types::RigAlignment::Outcome::AsStated;
