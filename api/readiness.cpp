@@ -41,8 +41,13 @@ std::string failure_of(const std::string& name, const Check& check) {
 
 Readiness::Result Readiness::check(const Services& services) {
     const std::int64_t min_free_bytes = services.limits.min_free_bytes;
-    const std::lock_guard lock(mutex_);
-    if (std::chrono::steady_clock::now() < next_poll_) return last_;
+    // One check at a time asks the stores: where they do not answer, others must not wait as well.
+    std::unique_lock asking(asking_, std::defer_lock);
+    if (const auto last = last_result(); !last)
+        asking.lock();
+    else if (!asking.try_lock())
+        return *last;
+    if (std::chrono::steady_clock::now() < next_poll_) return *last_result();
     Result result;
     result.failure = failure_of("catalog", [&] { services.catalog.require_writable(); });
     if (result.failure.empty())
@@ -64,9 +69,15 @@ Readiness::Result Readiness::check(const Services& services) {
         result.failure = failure_of("queue", [&] {
             result.queue_waits_for = storage::QueueStore(services.catalog).waits_for();
         });
-    last_ = result;
     next_poll_ = std::chrono::steady_clock::now() + 1s;
+    const std::lock_guard lock(mutex_);
+    last_ = result;
     return result;
+}
+
+std::optional<Readiness::Result> Readiness::last_result() {
+    const std::lock_guard lock(mutex_);
+    return last_;
 }
 
 }  // namespace divemesh::api

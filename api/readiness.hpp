@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <string>
 
 namespace divemesh::api {
@@ -20,13 +21,17 @@ public:
         std::string queue_waits_for;  // why no job starts, see WaitReason; "": jobs start
     };
 
-    // Blocks: run it in the pool.
+    // Blocks: run it in the pool. While another call asks the stores, returns what the last one
+    // found.
     Result check(const Services& services);
 
 private:
-    std::mutex mutex_;
-    Result last_;
+    std::optional<Result> last_result();
+
+    std::mutex asking_;  // held while the stores are asked
     std::chrono::steady_clock::time_point next_poll_;
+    std::mutex mutex_;
+    std::optional<Result> last_;
 };
 
 }  // namespace divemesh::api

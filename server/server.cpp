@@ -54,6 +54,10 @@ constexpr std::chrono::milliseconds kBusyPendingDivesPause = 1s;
 constexpr std::chrono::milliseconds kAcceptWarningEvery = 30s;
 
 ServerConfig with_defaults(ServerConfig config) {
+    if (config.data.empty())
+        throw Error(ErrorCode::InvalidArgument,
+                    "give the data folder (--data): the server keeps uploads there while they "
+                    "arrive");
     const fs::path data = fs::absolute(config.data);
     std::error_code failure;
     storage::create_data_folder(data, failure);

@@ -21,7 +21,7 @@ std::unique_ptr<Engine> make_engine(const std::string& url, Opening opening) {
     if (is_postgresql_url(url)) return make_postgresql_engine(url);
     if (url.find("://") == std::string::npos) return make_sqlite_engine(url, opening);
     throw Error(ErrorCode::InvalidArgument,
-                "cannot use the catalog " + url +
+                "cannot use the catalog " + without_password(url) +
                     ": give sqlite:///path/catalog.db or postgresql://user@host/database");
 }
 

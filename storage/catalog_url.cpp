@@ -9,7 +9,7 @@ bool is_postgresql_url(const std::string& url) {
 }
 
 std::string without_password(const std::string& url) {
-    if (!is_postgresql_url(url)) return url;
+    if (url.starts_with("sqlite://") || url.find(':') == std::string::npos) return url;
     std::string shown = url;
     const std::string name = "password=";
     for (auto at = shown.find(name); at != std::string::npos; at = shown.find(name, at + 1)) {
@@ -18,7 +18,8 @@ std::string without_password(const std::string& url) {
         shown.replace(begin, end - begin, "***");
     }
     // A password may hold an @ or a slash that should have been escaped: the last @ counts.
-    const auto authority = shown.find("://") + 3;
+    const auto scheme = shown.find("://");
+    const auto authority = scheme == std::string::npos ? shown.find(':') + 1 : scheme + 3;
     const auto at = shown.rfind('@');
     if (at == std::string::npos || at < authority) return shown;
     const auto colon = shown.find(':', authority);

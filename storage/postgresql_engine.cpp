@@ -165,7 +165,10 @@ public:
 
     // A transaction in which a statement has failed ends with ROLLBACK, whatever is asked for.
     void end(soci::session& session, const char* how) const override {
-        const Result result = run(session, how);
+        // A timeout that ends the wait for a standby would leave the change on this server alone.
+        const bool commits = std::strcmp(how, "COMMIT") == 0;
+        const Result result =
+            run(session, commits ? "SET LOCAL statement_timeout = 0; COMMIT" : how);
         if (std::strcmp(PQcmdStatus(result.get()), how) != 0)
             throw soci::soci_error("a transaction with a failed statement was to be committed");
     }

@@ -122,7 +122,8 @@ auto select_one(soci::session& session, const std::string& sql, const Uses&... u
 template <typename Row>
 class PreparedSelect {
 public:
-    PreparedSelect(soci::session& session, const std::string& sql) : statement_(session) {
+    PreparedSelect(soci::session& session, const std::string& sql)
+        : takes_any_text_(dialect_of(session).text_holds_any_bytes), statement_(session) {
         row_.define(statement_);
         statement_.exchange(soci::use(id_, "id"));
         statement_.alloc();
@@ -132,7 +133,7 @@ public:
 
     auto one(const std::string& id) {
         fault_point();
-        id_ = id;
+        id_ = takes_any_text_ ? id : storable_text(id).value_or(id);
         std::optional<decltype(row_.value())> found;
         statement_.execute(false);
         while (statement_.fetch()) found = row_.value();
@@ -141,6 +142,7 @@ public:
 
 private:
     Row row_;
+    bool takes_any_text_;
     std::string id_;
     soci::statement statement_;
 };

@@ -48,7 +48,8 @@ protected:
     // Ends every connection to the catalog, as a failing network or an administrator does.
     void cut_connections() {
         server_->run(
-            "SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE datname = 'catalog'");
+            "SELECT pg_terminate_backend(pid, 10000) FROM pg_stat_activity"
+            " WHERE datname = 'catalog'");
     }
     // With the addresses of both, the server that takes changes is used.
     void expect_other_server_is_taken() const {
@@ -314,8 +315,10 @@ TEST_F(PostgresqlEngineTest, AWaitingWorkerHearsOfAJobAtOnceAlsoAfterItsConnecti
         EXPECT_LT(seconds_until_heard([&] { stores_->jobs_.release(stores_->claim().lease); }),
                   10.0);
         cut_connections();
-        signal->wait(10ms);  // finds out
-        signal->wait(20s);   // listens again
+        const auto num_listening = [&] {
+            return server_->run("SELECT COUNT(*) FROM pg_stat_activity WHERE query LIKE 'LISTEN%'");
+        };
+        while (num_listening() == "0") signal->wait(10ms);
     }
     const auto began = std::chrono::steady_clock::now();
     signal->wait(300ms);  // nothing was queued
@@ -335,7 +338,8 @@ TEST(PostgresqlUrlTest, NoMessageShowsAPassword) {
                             "postgresql://diver:secret@127.0.0.1:none/catalog",
                             "postgresql://127.0.0.1:1/catalog?user=diver&password=secret",
                             "postgresql://diver:secret@/catalog?no_such_option=1",
-                            "postgres://diver:sec%zzret@127.0.0.1:1/catalog"}) {
+                            "postgres://diver:sec%zzret@127.0.0.1:1/catalog",
+                            "postgresqls://diver:secret@127.0.0.1:1/catalog"}) {
         try {
             Catalog catalog(url);
             ADD_FAILURE() << url << " was opened";

@@ -95,6 +95,8 @@ void AttemptRunner::run(const std::stop_token& stop) {
          .check_every = config_.poll_every});
     try {
         const auto request = on_own_storage([&] { return write_request(); });
+        inputs_bytes_ = scratch_usage_bytes(folder(), kNoProcess);
+        heard_ = Clock::now();  // fetching from an object store may have taken hours
         supervise(keeper, stop);
         if (stop_ != Stop::None)
             conclude_stopped();
@@ -125,8 +127,7 @@ attempt::AttemptRequest AttemptRunner::write_request() const {
                                     .options = claim_.job.options};
     std::filesystem::create_directories(request.out);
     std::filesystem::create_directories(request.scratch);
-    request.dive =
-        blobs_.local_copy(claim_.dive.blob, folder() / "dive", claim_.dive.archive_sha256);
+    request.dive = fetch_dive();
     fetch_inputs(request);
     if (claim_.job.lowered) lower(request.options);
     if (config_.num_threads > 0 && !request.options.contains("num_threads"))
@@ -136,6 +137,21 @@ attempt::AttemptRequest AttemptRunner::write_request() const {
     file.close();
     if (!file) throw Error(ErrorCode::OutOfSpace, "cannot write into " + folder().string());
     return request;
+}
+
+// Returns the dive's archive on this machine. The cache of stages gives way to a copy.
+std::filesystem::path AttemptRunner::fetch_dive() const {
+    const auto fetch = [&] {
+        return blobs_.local_copy(claim_.dive.blob, folder() / "dive", claim_.dive.archive_sha256);
+    };
+    try {
+        return fetch();
+    } catch (const Error& error) {
+        if (error.code() != ErrorCode::OutOfSpace ||
+            !DiskRoom(config_).make(claim_.dive.archive_bytes + kRoomAhead_bytes))
+            throw;
+        return fetch();
+    }
 }
 
 // Fetches the inputs of a report or a comparison besides its dive, as files named as in a
@@ -287,7 +303,9 @@ Stop AttemptRunner::reason_to_stop(const LeaseKeeper& keeper,
     if (Clock::now() - measured_ > kMeasureEvery) {
         measured_ = Clock::now();
         DiskRoom(config_).make(kRoomAhead_bytes);
-        if (scratch_usage_bytes(folder(), child.pid()) > scratch_bytes_) return Stop::ScratchFull;
+        // A single file ends at this size.
+        if (scratch_usage_bytes(folder(), child.pid()) - inputs_bytes_ >= scratch_bytes_)
+            return Stop::ScratchFull;
     }
     return Stop::None;
 }
@@ -396,7 +414,7 @@ void AttemptRunner::fail(const Failure& failure) {
 bool AttemptRunner::is_to_blame() const {
     return stop_ == Stop::ScratchFull || stop_ == Stop::Deadline || stop_ == Stop::Stalled ||
            (scratch_bytes_ > 0 &&
-            scratch_usage_bytes(folder(), kNoProcess) > scratch_bytes_ / 4 * 3);
+            scratch_usage_bytes(folder(), kNoProcess) - inputs_bytes_ > scratch_bytes_ / 4 * 3);
 }
 
 // Returns the job to the queue without counting the attempt: not the job failed, but this worker.
@@ -425,13 +443,16 @@ void AttemptRunner::fail_with_partial_result(const Failure& failure,
         remove_blobs();
 }
 
-// Removes the blobs of this attempt, unless it succeeded: a commit may have reached the catalog
-// although its answer was an error. Blobs that cannot be removed do no harm.
+// Removes the blobs of this attempt, unless it succeeded or left a partial result: a commit may
+// have reached the catalog although its answer was an error. Blobs that cannot be removed do no
+// harm.
 void AttemptRunner::remove_blobs() const {
     try {
         for (const Attempt& attempt : jobs_.attempts(claim_.job.id))
             if (attempt.number == claim_.lease.attempt && attempt.state == AttemptState::Succeeded)
                 return;
+        for (const Artifact& artifact : jobs_.artifacts(claim_.job.id))
+            if (artifact.blob.starts_with(blob_prefix())) return;
         blobs_.remove_prefix(blob_prefix());
     } catch (const std::exception& error) {
         log_warning({{"event", "leftovers"}, {"job", claim_.job.id}, {"what", error.what()}});

@@ -40,6 +40,7 @@ private:
     using Clock = std::chrono::steady_clock;
 
     attempt::AttemptRequest write_request() const;
+    std::filesystem::path fetch_dive() const;
     void fetch_inputs(attempt::AttemptRequest& request) const;
     void fetch_reconstruction(const std::vector<Artifact>& artifacts,
                               const std::filesystem::path& into) const;
@@ -82,7 +83,8 @@ private:
     Clock::time_point started_ = Clock::now();
     Clock::time_point heard_ = Clock::now();     // last message from the child
     Clock::time_point measured_ = Clock::now();  // last measurement of the scratch folder
-    std::int64_t scratch_bytes_ = 0;             // limit for the scratch folder
+    std::int64_t inputs_bytes_ = 0;              // of what was fetched into the scratch folder
+    std::int64_t scratch_bytes_ = 0;             // limit for the scratch folder beside them
     Stop stop_ = Stop::None;
     std::optional<Clock::time_point> asked_to_end_;
     std::optional<attempt::AttemptMessage> result_;

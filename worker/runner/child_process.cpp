@@ -41,12 +41,18 @@ bool cut_network(const std::string& user_map) {
                                 static_cast<ssize_t>(user_map.size());
 }
 
-// Returns the environment of the child: without the keys of the object store, which only the parent
-// needs.
+// Returns whether a variable may hold a secret that only the parent needs: keys of the object
+// store, the password of PostgreSQL, a token.
+bool may_hold_secret(std::string_view variable) {
+    for (const std::string_view name : {"AWS_", "PG", "DIVEMESH_CATALOG=", "DIVEMESH_TOKEN="})
+        if (variable.starts_with(name)) return true;
+    return false;
+}
+
 std::vector<char*> environment_of_child() {
     std::vector<char*> kept;
     for (char** variable = environ; *variable != nullptr; ++variable)
-        if (!std::string_view(*variable).starts_with("AWS_")) kept.push_back(*variable);
+        if (!may_hold_secret(*variable)) kept.push_back(*variable);
     kept.push_back(nullptr);
     return kept;
 }

@@ -104,6 +104,13 @@ std::string program_of_others() {
     return status == 0 ? "processes" : "no processes";
 }
 
+bool has_secret() {
+    for (const char* name :
+         {"AWS_SECRET_ACCESS_KEY", "PGPASSWORD", "DIVEMESH_CATALOG", "DIVEMESH_TOKEN"})
+        if (std::getenv(name) != nullptr) return true;
+    return false;
+}
+
 void write_limits(const pipeline::ReconstructionRequest& request) {
     std::ofstream file(request.out / "limits.txt");
     for (const auto resource : {RLIMIT_DATA, RLIMIT_FSIZE, RLIMIT_NOFILE, RLIMIT_CPU}) {
@@ -114,7 +121,7 @@ void write_limits(const pipeline::ReconstructionRequest& request) {
     file << request.cache_bytes << ' ' << request.cache.filename().string() << ' '
          << tcp_to_nowhere() << '\n'
          << program_of_others() << '\n'
-         << (std::getenv("AWS_SECRET_ACCESS_KEY") == nullptr ? "no keys" : "keys") << ' '
+         << (has_secret() ? "keys" : "no keys") << ' '
          << (std::getenv("PATH") == nullptr ? "no path" : "path") << '\n';
 }
 

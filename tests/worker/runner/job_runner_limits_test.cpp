@@ -104,7 +104,9 @@ TEST_F(JobRunnerTest, AnAttemptThatTakesMoreScratchThanItMayIsEnded) {
 }
 
 TEST_F(JobRunnerTest, AnAttemptHasLimitsAndNoNetworkNoKeysAndStartsNothing) {
-    setenv("AWS_SECRET_ACCESS_KEY", "secret", 1);  // the worker gets it
+    for (const char* name :
+         {"AWS_SECRET_ACCESS_KEY", "PGPASSWORD", "DIVEMESH_CATALOG", "DIVEMESH_TOKEN"})
+        setenv(name, "secret", 1);  // the worker gets it
     const Job job = make_job("limits");
     Process worker = start_worker("600000", "1000000000", "123456789");
     ASSERT_TRUE(reaches(job, JobState::Succeeded)) << worker.stderr_text();
