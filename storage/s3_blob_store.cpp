@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 constexpr std::size_t kReadBytes = std::size_t{1} << 20;
 constexpr std::size_t kMaxDataIdBytes = 128;
-constexpr std::time_t kDay_s = 24 * 60 * 60;
+constexpr std::time_t kDay_s = 86'400;
 constexpr std::time_t kPartsLive_s = 7 * kDay_s;  // longer than any upload takes
 
 [[noreturn]] void throw_missing(const std::string& key) {

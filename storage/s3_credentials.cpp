@@ -59,9 +59,9 @@ S3Credentials read_s3_credentials(const fs::path& file, const std::string& profi
 }
 
 S3Credentials find_s3_credentials() {
-    const S3Credentials keys{environment("AWS_ACCESS_KEY_ID"),
-                             environment("AWS_SECRET_ACCESS_KEY"),
-                             environment("AWS_SESSION_TOKEN")};
+    S3Credentials keys{environment("AWS_ACCESS_KEY_ID"),
+                       environment("AWS_SECRET_ACCESS_KEY"),
+                       environment("AWS_SESSION_TOKEN")};
     if (is_usable(keys)) return keys;
     const std::string usual = environment("HOME", "/") + "/.aws/credentials";
     return read_s3_credentials(environment("AWS_SHARED_CREDENTIALS_FILE", usual),

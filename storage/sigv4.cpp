@@ -45,7 +45,8 @@ std::string names_of(const std::map<std::string, std::string>& headers) {
 std::string canonical_request(const SignedParts& parts, const std::string& payload_sha256) {
     std::string text = parts.method + '\n' + percent_encoded(parts.path, true) + '\n' +
                        canonical_query(parts.query) + '\n';
-    for (const auto& [name, value] : parts.headers) text += name + ':' + value + '\n';
+    for (const auto& [name, value] : parts.headers)
+        text.append(name).append(":").append(value).append("\n");
     return text + '\n' + names_of(parts.headers) + '\n' + payload_sha256;
 }
 
