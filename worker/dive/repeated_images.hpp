@@ -17,7 +17,7 @@ public:
     };
 
     // Compares an image, 8 bit grey, with the one before. The first images of a rest may pass for
-    // encoded again; these are three at most.
+    // encoded again if they have no noise; these are three at most.
     Kind add(const cv::Mat& image);
     // Learns from images, in their order, how much the scene moves, before any is added.
     void learn(const std::vector<cv::Mat>& first);
