@@ -68,7 +68,8 @@ public:
     // Ends the transfers over a network that are under way, and begins no more: they throw
     // Error{Unavailable}.
     virtual void stop_transfers() {}
-    // Of the disk that takes the uploads; the largest number where none limits them.
+    // Returns the free bytes of the disk that takes the uploads; the largest number where none
+    // limits them.
     virtual std::int64_t free_bytes() = 0;
 
     // The id by which the store belongs to a catalog (storage/data_id.hpp), read anew each time;

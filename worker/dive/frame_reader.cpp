@@ -1,15 +1,10 @@
 #include "worker/dive/frame_reader.hpp"
 
 #include "schemas/error.hpp"
+#include "worker/dive/image_size.hpp"
 
 namespace divemesh::dive {
 namespace {
-
-constexpr std::int64_t kMaxImageFileBytes = std::int64_t{64} << 20;
-
-std::string size_text(std::int64_t width, std::int64_t height) {
-    return std::to_string(width) + "x" + std::to_string(height);
-}
 
 LoadedImage without_image(std::string code, std::string problem) {
     LoadedImage loaded;
@@ -32,14 +27,16 @@ LoadedImage load_image(const DiveFiles& files,
     try {
         const ImageHeader header = read_image_header(*bytes);
         if (header.width_px > limits.max_image_pixels / header.height_px)
-            return without_image(
-                "image_too_large",
-                "its header says " + size_text(header.width_px, header.height_px) + " pixels");
+            return without_image("image_too_large",
+                                 "its header says " +
+                                     to_string(ImageSize{header.width_px, header.height_px}) +
+                                     " pixels");
         if (header.width_px != camera.width_px || header.height_px != camera.height_px)
             return without_image("image_size",
-                                 "it has " + size_text(header.width_px, header.height_px) +
+                                 "it has " +
+                                     to_string(ImageSize{header.width_px, header.height_px}) +
                                      " pixels, but its calibration has " +
-                                     size_text(camera.width_px, camera.height_px));
+                                     to_string(ImageSize{camera.width_px, camera.height_px}));
         LoadedImage loaded;
         loaded.image = decode_image(*bytes, header, channels, reduction);
         loaded.was_16_bit = header.bits_per_channel > 8;

@@ -7,6 +7,8 @@
 
 namespace divemesh::dive {
 
+constexpr std::int64_t kMaxImageFileBytes = std::int64_t{64} << 20;
+
 enum class ImageFormat { Png, Jpeg };
 
 // The properties of an image according to its first bytes, read without decoding it.

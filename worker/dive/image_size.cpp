@@ -11,7 +11,6 @@
 namespace divemesh::dive {
 namespace {
 
-constexpr std::int64_t kMaxImageFileBytes = std::int64_t{64} << 20;
 constexpr int kNumProbed = 5;
 constexpr double kMaxRounding_px = 1.0;  // sizes are whole and often even
 

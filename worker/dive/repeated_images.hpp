@@ -30,7 +30,7 @@ private:
     cv::Mat previous_;
     cv::Mat previous_small_;          // CV_32F, without its mean
     std::deque<double> differences_;  // grey values (RMS), of the last images that count as new
-    int num_reencoded_ = 0;           // in a row
+    int num_reencoded_ = 0;           // since the scene moved
 };
 
 }  // namespace divemesh::dive
