@@ -4,6 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/camera/gradient_magnitude.hpp"
+#include "worker/dive/view_details.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::dive {
@@ -23,13 +24,14 @@ constexpr float kMinTimeSeen = 0.6F;      // share of the images in which an edg
 constexpr double kNearMedian = 8.0;       // grey values
 constexpr float kMinEdgesOfCell = 0.02F;  // share of its pixels
 const cv::Size kCells(8, 6);
-constexpr int kReach_px = 25;            // letters that change stand this near to fixed edges
-constexpr double kMaxBlack = 16.0;       // grey value of the surroundings of a round image
-constexpr int kMinSurroundings_px = 15;  // width; narrower ones are shadows and letters
-constexpr double kMinSharpShare = 0.5;   // of the contour; light that fades has no edge
-constexpr double kMinSceneShare = 0.02;  // of the image
-constexpr int kBlur_px = 4;              // of the border by the lens
-constexpr int kRim_px = 8;               // half a patch, and the blur
+constexpr double kMaxShareOfOneView = 0.6;  // of the images; more is a rest
+constexpr int kReach_px = 25;               // letters that change stand this near to fixed edges
+constexpr double kMaxBlack = 16.0;          // grey value of the surroundings of a round image
+constexpr int kMinSurroundings_px = 15;     // width; narrower ones are shadows and letters
+constexpr double kMinSharpShare = 0.5;      // of the contour; light that fades has no edge
+constexpr double kMinSceneShare = 0.02;     // of the image
+constexpr int kBlur_px = 4;                 // of the border by the lens
+constexpr int kRim_px = 8;                  // half a patch, and the blur
 
 cv::Mat rectangle(int width_px, int height_px) {
     return cv::getStructuringElement(cv::MORPH_RECT, {width_px, height_px});
@@ -84,6 +86,7 @@ void FixedPattern::add(const cv::Mat& image) {
     }
     const double reduction = std::min(1.0, static_cast<double>(kSmallWidth_px) / image.cols);
     cv::resize(values, small_.emplace_back(), {}, reduction, reduction, cv::INTER_AREA);
+    details_.push_back(view_details(image));
     cv::accumulate(image, sum_);
     cv::accumulateSquare(image, sum_of_squares_);
 }
@@ -111,6 +114,15 @@ bool FixedPattern::most_edges_stay() const {
            cv::countNonZero(stay) > kMinStayingCells * cv::countNonZero(have_edges);
 }
 
+bool FixedPattern::most_show_one_view() const {
+    const double max_num = kMaxShareOfOneView * static_cast<double>(details_.size());
+    return std::ranges::any_of(details_, [&](const cv::Mat& view) {
+        return static_cast<double>(std::ranges::count_if(details_, [&](const cv::Mat& other) {
+                   return is_same_view(view, other);
+               })) > max_num;
+    });
+}
+
 cv::Mat FixedPattern::Masks::all() const {
     if (overlay.empty() || border.empty()) return overlay.empty() ? border : overlay;
     return overlay | border;
@@ -133,7 +145,8 @@ FixedPattern::Masks FixedPattern::masks() const {
     const cv::Mat contour = dilated(surroundings, 1) & ~surroundings;
     const cv::Mat edges = is_fixed & ~is_border;
     Masks masks;
-    if (cv::countNonZero(edges) >= kMinEdgeShare * static_cast<double>(mean.total()))
+    if (cv::countNonZero(edges) >= kMinEdgeShare * static_cast<double>(mean.total()) &&
+        !most_show_one_view())
         cv::dilate(edges, masks.overlay, rectangle(2 * kReach_px + 1, kReach_px));
     if (cv::countNonZero(contour & dilated(is_border, kBlur_px)) >
             kMinSharpShare * cv::countNonZero(contour) &&

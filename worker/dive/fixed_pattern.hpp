@@ -23,15 +23,18 @@ public:
     void add(const cv::Mat& image);  // 8 bit grey, all of one size
 
     // Returns empty masks if there are too few images or if the rig stands still. It stands still
-    // if most edges all over the image stay, even while something such as a shoal passes.
+    // if most edges all over the image stay, even while something such as a shoal passes. There is
+    // no overlay mask if most images show one view: what stays may be the scene of a long rest.
     Masks masks() const;
 
 private:
     bool most_edges_stay() const;
+    bool most_show_one_view() const;
 
     cv::Mat sum_;
     cv::Mat sum_of_squares_;
-    std::vector<cv::Mat> small_;  // CV_32F, each image reduced
+    std::vector<cv::Mat> small_;    // CV_32F, each image reduced
+    std::vector<cv::Mat> details_;  // of each image
     int num_images_ = 0;
 };
 

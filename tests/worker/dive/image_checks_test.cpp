@@ -53,10 +53,11 @@ using Render = std::function<cv::Mat(int frame)>;
 
 std::vector<Finding> findings_of(const Render& left,
                                  const Render& right,
-                                 std::optional<double> share = 0.5) {
+                                 std::optional<double> share = 0.5,
+                                 int num_frames = kNumFrames) {
     FindingLog log;
     check_images(
-        kNumFrames,
+        num_frames,
         [&](int index) {
             LoadedPair pair;
             pair.index = index;
@@ -266,6 +267,28 @@ TEST(ImageChecksTest, AShoalInFrontOfARigAtRestMakesTheSceneNoPattern) {
         pattern.add(image);
     }
     EXPECT_TRUE(pattern.masks().all().empty());
+}
+
+// Light from waves plays over two thirds of a scene at rest for nineteen twentieths of a recording.
+TEST(ImageChecksTest, ALongRestMakesTheSceneNoPattern) {
+    constexpr int kNumAtRest = 760;
+    constexpr int kNumMoving = 40;
+    const Render resting = [](int frame) {
+        cv::Mat light = cv::Mat::zeros(480, 640, CV_32F);
+        for (int v = 0; v < 320; ++v)
+            for (int u = 0; u < light.cols; ++u)
+                light.at<float>(v, u) =
+                    25.0F * static_cast<float>(std::sin(0.05 * u + 1.7 * frame) *
+                                               std::cos(0.06 * v - 0.9 * frame));
+        cv::Mat image;
+        scene(std::max(0, frame - kNumAtRest)).convertTo(image, CV_32F);
+        image += light;
+        image.convertTo(image, CV_8U);
+        return image;
+    };
+    constexpr int kNum = kNumAtRest + kNumMoving;
+
+    EXPECT_TRUE(findings_of(resting, resting, 0.5, kNum).empty());
 }
 
 // A small part of the image shows the scene; nine tenths are black and never change.

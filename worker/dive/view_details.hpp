@@ -1,0 +1,16 @@
+#pragma once
+
+#include <opencv2/core/mat.hpp>
+
+namespace divemesh::dive {
+
+// Returns the details of an image (8 bit grey): reduced to 160 px of width, without what is coarser
+// than about 3 px of that. CV_32F.
+cv::Mat view_details(const cv::Mat& image);
+
+// Returns whether two images, by their view_details() of one size, are of one view: the scene did
+// not move from one to the other, even if light or fish did. It compares cells of the images in
+// place (zero-shift NCC, the median over cells with texture). True for images without texture.
+bool is_same_view(const cv::Mat& first_details, const cv::Mat& second_details);
+
+}  // namespace divemesh::dive
