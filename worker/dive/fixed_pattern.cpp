@@ -4,7 +4,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "worker/camera/gradient_magnitude.hpp"
-#include "worker/dive/view_details.hpp"
+#include "worker/camera/view_details.hpp"
 #include "worker/stats/median.hpp"
 
 namespace divemesh::dive {
@@ -86,7 +86,7 @@ void FixedPattern::add(const cv::Mat& image) {
     }
     const double reduction = std::min(1.0, static_cast<double>(kSmallWidth_px) / image.cols);
     cv::resize(values, small_.emplace_back(), {}, reduction, reduction, cv::INTER_AREA);
-    details_.push_back(view_details(image));
+    details_.push_back(camera::view_details(image));
     cv::accumulate(image, sum_);
     cv::accumulateSquare(image, sum_of_squares_);
 }
@@ -118,7 +118,7 @@ bool FixedPattern::most_show_one_view() const {
     const double max_num = kMaxShareOfOneView * static_cast<double>(details_.size());
     return std::ranges::any_of(details_, [&](const cv::Mat& view) {
         return static_cast<double>(std::ranges::count_if(details_, [&](const cv::Mat& other) {
-                   return is_same_view(view, other);
+                   return camera::is_same_view(view, other);
                })) > max_num;
     });
 }

@@ -64,6 +64,14 @@ types::Features static_features(const Registration& motion) {
     return features;
 }
 
+types::Features previous_static_features(const Registration& motion) {
+    types::Features features;
+    if (!motion.found) return features;
+    for (const PointPair& pair : motion.inliers)
+        features.push_back({pair.id, pair.previous_px.head<2>(), pair.previous_px.z()});
+    return features;
+}
+
 void add_lost_features(const types::RectifiedFrame& frame,
                        const Eigen::Isometry3d& T_current_previous,
                        int num_disparities_px,

@@ -27,8 +27,10 @@ types::Features without_dynamic_features(const types::Features& tracks,
                                          const PointPairs& pairs,
                                          const Registration& motion);
 
-// Returns the inliers of the motion as features at their current positions.
+// Returns the inliers of the motion as features at their current positions, or at their previous
+// ones.
 types::Features static_features(const Registration& motion);
+types::Features previous_static_features(const Registration& motion);
 
 std::size_t num_with_depth(const types::Features& features);
 // Returns the median disparity of those with depth; 0 if there is none.

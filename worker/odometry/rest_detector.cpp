@@ -97,7 +97,7 @@ std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
                                                      Seen seen) {
     if (now_ns - last_ns_ > kMaxUnseen_ns) restart();
     last_ns_ = now_ns;
-    T_anchor_cam_.reset();
+    pass_frame();
     PointPairs pairs = with_depth_at_both_times(rig_, anchor_, features);
     if (seen == Seen::AllFeaturesAtRest) pairs = in_place(pairs);
     hardly_moves_ = hardly_moved(pairs);
@@ -113,9 +113,10 @@ std::optional<Eigen::Isometry3d> RestDetector::watch(std::int64_t now_ns,
         restart();
         return std::nullopt;
     }
-    if (now_ns - anchor_ns_ < kMinRest_ns) return std::nullopt;
     T_anchor_cam_ = motion;
-    if (motion->matrix().isIdentity()) join_anchor(features);
+    join(features);
+    at_rest_ = now_ns - anchor_ns_ >= kMinRest_ns;
+    if (!at_rest_) return std::nullopt;
     return T_world_anchor_ * *motion;
 }
 
@@ -142,12 +143,13 @@ PointPairs RestDetector::in_place(const PointPairs& pairs) const {
     return kept;
 }
 
-void RestDetector::join_anchor(const types::Features& features) {
+void RestDetector::join(const types::Features& in_last_frame) {
+    if (!T_anchor_cam_ || !T_anchor_cam_->matrix().isIdentity()) return;
     types::Features all;
     std::set_union(anchor_.begin(),
                    anchor_.end(),
-                   features.begin(),
-                   features.end(),
+                   in_last_frame.begin(),
+                   in_last_frame.end(),
                    std::back_inserter(all),
                    [](const types::Feature& a, const types::Feature& b) { return a.id < b.id; });
     anchor_ = std::move(all);

@@ -37,24 +37,31 @@ public:
                                            const types::Features& features,
                                            const Eigen::Isometry3d& T_world_cam,
                                            Seen seen = Seen::StaticFeatures);
+    // Takes in features as they were in the last frame, before watch() takes in the next: those that
+    // are new there join the anchor if the rig had not moved, so that it outlasts what hides all
+    // others within a frame.
+    void join(const types::Features& in_last_frame);
     // Takes in a frame in which nothing was seen.
-    void pass_frame() { T_anchor_cam_.reset(); }
+    void pass_frame() {
+        at_rest_ = false;
+        T_anchor_cam_.reset();
+    }
     // Begins anew with the next frame: sensors say that the rig moves.
     void restart() {
         anchor_.clear();
         motions_.clear();
         hardly_moves_ = false;
-        T_anchor_cam_.reset();
+        pass_frame();
     }
     // Takes in that the last frame has another pose in the map: it was adjusted, or the place was
-    // recognised. A rest goes on there; what is no rest yet begins anew with the next frame.
+    // recognised. A rest goes on there.
     void correct(const Eigen::Isometry3d& T_world_cam);
 
     // Returns true if the last frame's image had hardly moved since an earlier frame, however
     // recent.
     bool hardly_moves() const { return hardly_moves_; }
     // Returns true if watch() returned a pose for the last frame.
-    bool at_rest() const { return T_anchor_cam_.has_value(); }
+    bool at_rest() const { return at_rest_; }
     // Returns when the rest began. Valid while watch() returns a pose.
     std::int64_t began_ns() const { return anchor_ns_; }
     // Return the standard deviations of the pose against the anchor's, likewise: the largest along
@@ -74,7 +81,6 @@ private:
 
     bool hardly_moved(const PointPairs& pairs) const;
     PointPairs in_place(const PointPairs& pairs) const;
-    void join_anchor(const types::Features& features);
     PointPairs agreeing(const PointPairs& pairs) const;
     double scatter_of_motions(std::int64_t until_ns, const Matrix6d& covariance) const;
     std::optional<Eigen::Isometry3d> significant_motion(std::int64_t now_ns,
@@ -87,7 +93,8 @@ private:
     std::deque<Motion> motions_;  // the latest
     bool hardly_moves_ = false;
     Eigen::Isometry3d T_world_anchor_ = Eigen::Isometry3d::Identity();
-    std::optional<Eigen::Isometry3d> T_anchor_cam_;  // of the last frame, if it is at rest
+    bool at_rest_ = false;
+    std::optional<Eigen::Isometry3d> T_anchor_cam_;  // of the last frame, if it hardly moved
     double sigma_m_ = 0.0;
     double sigma_rad_ = 0.0;
 };

@@ -6,6 +6,7 @@
 #include "worker/base/parallel.hpp"
 #include "worker/base/seconds.hpp"
 #include "worker/camera/synchronise_pair.hpp"
+#include "worker/camera/view_details.hpp"
 #include "worker/features/match_sparse_stereo.hpp"
 #include "worker/odometry/frame_features.hpp"
 #include "worker/odometry/register_points.hpp"
@@ -16,18 +17,31 @@ namespace {
 
 constexpr double kDuration_s = 0.5;
 constexpr int kMaxSteps = 15;
+constexpr double kRestTime_s = 2.0;
 constexpr int kNumFeatures = 300;
 constexpr double kTolerance_px = 4.0;  // ranges are not right yet
 constexpr std::uint64_t kSeed = 24;
 
-// Returns the number of frames in kDuration_s, at least 1.
-int steps_of(const types::Recording& recording) {
+// Returns the number of frames in a duration, at least 1.
+int frames_in(const types::Recording& recording, double seconds) {
     const auto first = recording.frame(0);
     const auto last = recording.frame(recording.num_frames() - 1);
     if (!first || !last) return 1;
     const double duration_s = base::to_s(last->timestamp_ns - first->timestamp_ns);
     const double rate = (recording.num_frames() - 1) / std::max(1e-3, duration_s);
-    return std::clamp(static_cast<int>(std::lround(kDuration_s * rate)), 1, kMaxSteps);
+    return std::max(1, static_cast<int>(std::lround(seconds * rate)));
+}
+
+// Returns whether the view is the same `num_frames` later, or earlier at the end; false if the
+// recording is shorter. Light that plays over a scene at rest drags features along by centimetres,
+// but to and fro.
+bool rests(const types::Recording& recording, const types::StereoFrame& frame, int num_frames) {
+    const bool is_at_end = frame.index + num_frames >= recording.num_frames();
+    const int other_index = is_at_end ? frame.index - num_frames : frame.index + num_frames;
+    if (other_index < 0) return false;
+    const auto other = recording.frame(other_index);
+    return other && camera::is_same_view(camera::view_details(frame.left),
+                                         camera::view_details(other->left));
 }
 
 // The features of a window, tracked from frame to frame.
@@ -92,12 +106,13 @@ private:
 calibration::RangeWindow track_range_window(const types::Recording& recording,
                                             const camera::Rectifier& rectifier,
                                             int first_frame,
-                                            int num_steps) {
+                                            int num_steps,
+                                            int num_apart) {
     WindowFeatures features(rectifier.rig());
     std::int64_t before_ns = 0;
     for (int i = 0; i <= num_steps; ++i) {
         const auto frame = recording.frame(first_frame + i);
-        if (!frame) return {};
+        if (!frame || (i == 0 && rests(recording, *frame, num_apart))) return {};
         const types::RectifiedFrame rectified = rectifier.rectify(*frame);
         const double interval_s = base::to_s(frame->timestamp_ns - before_ns);
         if (i == 0)
@@ -130,11 +145,13 @@ std::vector<calibration::RangeWindow> track_windows(const types::Recording& reco
                                                     const std::vector<int>& first_frames,
                                                     int end_frame,
                                                     int num_threads) {
-    const int num_steps = steps_of(recording);
+    const int num_steps = std::min(kMaxSteps, frames_in(recording, kDuration_s));
+    const int num_apart = frames_in(recording, kRestTime_s);
     std::vector<calibration::RangeWindow> windows(first_frames.size());
     base::for_each_index(num_threads, windows.size(), [&](std::size_t i) {
         if (first_frames[i] + num_steps < end_frame)
-            windows[i] = track_range_window(recording, rectifier, first_frames[i], num_steps);
+            windows[i] =
+                track_range_window(recording, rectifier, first_frames[i], num_steps, num_apart);
     });
     return windows;
 }

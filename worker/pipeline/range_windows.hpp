@@ -17,8 +17,8 @@ std::optional<types::ExposureMotion> exposure_motion_at(const types::Recording& 
                                                         const types::StereoFrame& frame);
 
 // Returns features tracked for half a second from each of these frames on, with disparity at both
-// ends, by steps 1 to 4 of the paper. A window in which too few features agree on a motion, or
-// that runs to `end_frame`, has no matches.
+// ends, by steps 1 to 4 of the paper. A window in which too few features agree on a motion, in
+// which the rig rests, or that runs to `end_frame`, has no matches.
 std::vector<calibration::RangeWindow> track_windows(const types::Recording& recording,
                                                     const camera::Rectifier& rectifier,
                                                     const std::vector<int>& first_frames,

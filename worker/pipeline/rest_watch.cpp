@@ -38,6 +38,7 @@ std::optional<Eigen::Isometry3d> RestWatch::watch(const odometry::Registration& 
         detector_.pass_frame();
         return std::nullopt;
     }
+    detector_.join(odometry::previous_static_features(vision));
     using Seen = odometry::RestDetector::Seen;
     const Eigen::Isometry3d T_world_cam = motion_.T_world_cam() * estimated.inverse();
     const auto T_world_rest =

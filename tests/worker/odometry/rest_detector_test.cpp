@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <iterator>
+
 #include "tests/synthetic/stereo_world.hpp"
 
 namespace divemesh::odometry {
@@ -181,6 +184,49 @@ TEST(RestDetectorTest, FeaturesThatAppearDuringARestJoinIt) {
         const auto rest = detector.watch(std::int64_t{100'000'000} * k, seen, pose);
         if (k < 20) continue;
         ASSERT_TRUE(rest) << k;
+    }
+}
+
+// Returns every fourth feature, others from frame to frame: each is seen twice and then hidden.
+types::Features uncovered(const types::Features& all, int frame) {
+    types::Features seen;
+    std::ranges::copy_if(all, std::back_inserter(seen), [&](const types::Feature& feature) {
+        return feature.id % 4 == frame % 4;
+    });
+    return seen;
+}
+
+TEST(RestDetectorTest, ARestOutlastsWhatHidesEachFeatureAfterAFrame) {
+    synthetic::World world(2.0, 0.0, 7);
+    RestDetector detector(synthetic::rig());
+    const Eigen::Isometry3d pose = at({1.0, 0.0, 0.0});
+    int num_rests = 0;
+    types::Features last = world.see(pose, 0, kNoise_px);
+    detector.watch(0, last, pose);
+    for (int k = 1; k < 60; ++k) {
+        const types::Features all = world.see(pose, k, kNoise_px);
+        detector.join(uncovered(last, k));
+        const auto rest = detector.watch(std::int64_t{100'000'000} * k, uncovered(all, k), pose);
+        if (rest) ++num_rests;
+        last = all;
+    }
+    EXPECT_GE(num_rests, 45);
+}
+
+// As a scene that a person walks past: keyframes are added before a rest is known to be one.
+TEST(RestDetectorTest, AMapThatIsCorrectedInTheFirstSecondDelaysNoRest) {
+    synthetic::World world(2.0, 0.0, 7);
+    RestDetector detector(synthetic::rig());
+    const Eigen::Isometry3d pose = at({1.0, 0.0, 0.0});
+    const Eigen::Isometry3d corrected = at({1.1, 0.02, -0.03});
+    for (int k = 0; k < 20; ++k) {
+        const auto rest = detector.watch(std::int64_t{100'000'000} * k,
+                                         world.see(pose, k, kNoise_px),
+                                         k <= 6 ? pose : corrected);
+        if (k == 6) detector.correct(corrected);
+        if (k <= 11) continue;
+        ASSERT_TRUE(rest) << k;
+        EXPECT_LT((rest->translation() - corrected.translation()).norm(), 2e-3) << k;
     }
 }
 

@@ -2,7 +2,7 @@
 
 #include <opencv2/core/mat.hpp>
 
-namespace divemesh::dive {
+namespace divemesh::camera {
 
 // Returns the details of an image (8 bit grey): reduced to 160 px of width, without what is coarser
 // than about 3 px of that. CV_32F.
@@ -13,4 +13,4 @@ cv::Mat view_details(const cv::Mat& image);
 // place (zero-shift NCC, the median over cells with texture). True for images without texture.
 bool is_same_view(const cv::Mat& first_details, const cv::Mat& second_details);
 
-}  // namespace divemesh::dive
+}  // namespace divemesh::camera

@@ -1,4 +1,4 @@
-#include "worker/dive/view_details.hpp"
+#include "worker/camera/view_details.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 #include "worker/stats/median.hpp"
 
-namespace divemesh::dive {
+namespace divemesh::camera {
 namespace {
 
 constexpr int kWidth_px = 160;
@@ -51,4 +51,4 @@ bool is_same_view(const cv::Mat& first_details, const cv::Mat& second_details) {
     return ncc.empty() || stats::median(std::move(ncc)) > kMinNcc;
 }
 
-}  // namespace divemesh::dive
+}  // namespace divemesh::camera
