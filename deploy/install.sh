@@ -62,5 +62,14 @@ if removed=$(grep '^Remv ' <<<"$plan"); then
     echo "install: nothing was changed; use another machine or a container of debian:12" >&2
     exit 1
 fi
+new_proxies=()
+for proxy in nginx caddy; do
+    dpkg-query -W "$proxy" >/dev/null 2>&1 || new_proxies+=("$proxy")
+done
 "${as_root[@]}" apt-get "${arguments[@]}"
+# The tests start proxies of their own; those that apt has started on port 80 are of no use.
+for proxy in "${new_proxies[@]}"; do
+    "${as_root[@]}" service "$proxy" stop >/dev/null 2>&1 || true
+    "${as_root[@]}" systemctl disable --quiet "$proxy" 2>/dev/null || true
+done
 say_node

@@ -30,7 +30,7 @@ set(doc ${CMAKE_INSTALL_DATAROOTDIR}/doc/divemesh)
 install(FILES README.md DESTINATION ${doc} COMPONENT divemesh)
 install(FILES api/openapi.yaml DESTINATION ${doc}/api COMPONENT divemesh)
 install(DIRECTORY docs DESTINATION ${doc} COMPONENT divemesh)
-install(DIRECTORY deploy/grafana DESTINATION ${doc}/deploy COMPONENT divemesh)
+install(DIRECTORY deploy/grafana deploy/proxy DESTINATION ${doc}/deploy COMPONENT divemesh)
 foreach(package IN ITEMS divemesh divemesh-server divemesh-worker)
   install(FILES ${debian}/copyright ${packaging}/changelog.gz
     DESTINATION ${CMAKE_INSTALL_DATAROOTDIR}/doc/${package} COMPONENT ${package})

@@ -50,7 +50,12 @@ report() {
 trap report EXIT
 
 check_format() { git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run -Werror; }
-install_npm_packages() { npm ci --prefix tests/end_to_end/js --no-audit --no-fund --loglevel=error; }
+install_npm_packages() {
+    local folder
+    for folder in tests/end_to_end/js tests/deploy/js; do
+        npm ci --prefix "$folder" --no-audit --no-fund --loglevel=error
+    done
+}
 check_page() {
     npm ci --prefix web --no-audit --no-fund --loglevel=error
     npm run check --prefix web && npm test --prefix web

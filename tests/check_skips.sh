@@ -18,6 +18,8 @@ no_chromium() { ! command -v chromium >/dev/null; }
 no_gdal() { ! command -v gdalinfo >/dev/null; }
 no_postgresql() { ! compgen -G '/usr/lib/postgresql/*/bin/postgres' >/dev/null; }
 no_ceph() { ! command -v ceph-osd >/dev/null || ! command -v radosgw >/dev/null; }
+no_nginx() { [[ ! -x /usr/sbin/nginx ]]; }
+no_caddy() { [[ ! -x /usr/bin/caddy ]]; }
 no_avx2() { ! grep -qw avx2 /proc/cpuinfo; }
 
 # "status name" of every test.
@@ -37,7 +39,7 @@ while read -r condition test reason; do
     expression="[./]$test(/[^/]*)?\$"
     grep -qE "$expression" <<<"$tests" || complain "$list: no test is called $test"
     case $condition in
-        no_shared_data | no_mount | no_user_namespace | no_colmap | no_chromium | no_gdal | no_avx2 | no_postgresql | no_ceph) ;;
+        no_shared_data | no_mount | no_user_namespace | no_colmap | no_chromium | no_gdal | no_avx2 | no_postgresql | no_ceph | no_nginx | no_caddy) ;;
         *) complain "$list: there is no condition $condition" && continue ;;
     esac
     ! "$condition" || allowed+=(-e "$expression")

@@ -36,7 +36,8 @@ expect_some() { # PACKAGE FILE...: among others
 }
 
 expect_some divemesh ./usr/bin/divemesh ./usr/share/man/man1/divemesh.1.gz ./usr/share/doc/divemesh/README.md \
-    ./usr/share/doc/divemesh/docs/installing.md ./usr/share/doc/divemesh/copyright
+    ./usr/share/doc/divemesh/docs/installing.md ./usr/share/doc/divemesh/deploy/proxy/nginx.conf \
+    ./usr/share/doc/divemesh/copyright
 [[ -z $(conffiles divemesh) ]] || fault "divemesh has conffiles"
 # What a worker cannot be without; the versions are those that the program was linked with.
 for library in libc6 libopencv-core406 libsqlite3-0 libsoci-sqlite3-4.0 libsoci-postgresql4.0 libpq5 libssl3 libseccomp2; do
