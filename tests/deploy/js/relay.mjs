@@ -1,13 +1,15 @@
-// Passes on what comes, and counts what it has passed on to the side that connects.
+// Passes on what comes, and counts what it has passed on: forth to the target, and back.
 import { connect, createServer } from 'node:net';
 
 export class Relay {
+  numBytesForth = 0;
   numBytesBack = 0;
 
   static start(port, target) {
     const relay = new Relay();
     relay.server = createServer((from) => {
       const to = connect(target, '127.0.0.1');
+      from.on('data', (part) => (relay.numBytesForth += part.length));
       to.on('data', (part) => (relay.numBytesBack += part.length));
       from.pipe(to);
       to.pipe(from);
