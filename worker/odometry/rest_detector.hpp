@@ -37,9 +37,9 @@ public:
                                            const types::Features& features,
                                            const Eigen::Isometry3d& T_world_cam,
                                            Seen seen = Seen::StaticFeatures);
-    // Takes in features as they were in the last frame, before watch() takes in the next: those that
-    // are new there join the anchor if the rig had not moved, so that it outlasts what hides all
-    // others within a frame.
+    // Takes in features as they were in the last frame, before watch() takes in the next: those
+    // that are new there join the anchor if the rig had not moved, so that it outlasts what hides
+    // all others within a frame.
     void join(const types::Features& in_last_frame);
     // Takes in a frame in which nothing was seen.
     void pass_frame() {
