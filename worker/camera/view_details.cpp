@@ -3,9 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
-#include <vector>
-
-#include "worker/stats/median.hpp"
 
 namespace divemesh::camera {
 namespace {
@@ -33,7 +30,8 @@ cv::Mat view_details(const cv::Mat& image) {
 
 bool is_same_view(const cv::Mat& first_details, const cv::Mat& second_details) {
     const cv::Size size = first_details.size();
-    std::vector<double> ncc;
+    int num_compared = 0;
+    int num_alike = 0;
     for (int row = 0; row < kCells.height; ++row)
         for (int column = 0; column < kCells.width; ++column) {
             const cv::Rect cell(
@@ -46,9 +44,10 @@ bool is_same_view(const cv::Mat& first_details, const cv::Mat& second_details) {
             const double first_norm = cv::norm(first);
             const double second_norm = cv::norm(second);
             if (first_norm < min_norm && second_norm < min_norm) continue;
-            ncc.push_back(first.dot(second) / std::max(first_norm * second_norm, 1e-9));
+            ++num_compared;
+            if (first.dot(second) > kMinNcc * first_norm * second_norm) ++num_alike;
         }
-    return ncc.empty() || stats::median(std::move(ncc)) > kMinNcc;
+    return num_compared == 0 || 2 * num_alike > num_compared;
 }
 
 }  // namespace divemesh::camera

@@ -10,7 +10,7 @@ cv::Mat view_details(const cv::Mat& image);
 
 // Returns whether two images, by their view_details() of one size, are of one view: the scene did
 // not move from one to the other, even if light or fish did. It compares cells of the images in
-// place (zero-shift NCC, the median over cells with texture). True for images without texture.
+// place by zero-shift NCC: most of those with texture are alike. True for images without texture.
 bool is_same_view(const cv::Mat& first_details, const cv::Mat& second_details);
 
 }  // namespace divemesh::camera
