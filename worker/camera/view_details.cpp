@@ -17,15 +17,19 @@ constexpr double kMinNcc = 0.3;
 
 }  // namespace
 
-cv::Mat view_details(const cv::Mat& image) {
+cv::Mat small_view(const cv::Mat& image) {
     cv::Mat values;
     image.convertTo(values, CV_32F);
     const double reduction = std::min(1.0, static_cast<double>(kWidth_px) / image.cols);
     cv::Mat small;
     cv::resize(values, small, {}, reduction, reduction, cv::INTER_AREA);
+    return small;
+}
+
+cv::Mat view_details(const cv::Mat& small_view) {
     cv::Mat coarse;
-    cv::GaussianBlur(small, coarse, {}, kCoarse_px);
-    return small - coarse;
+    cv::GaussianBlur(small_view, coarse, {}, kCoarse_px);
+    return small_view - coarse;
 }
 
 bool is_same_view(const cv::Mat& first_details, const cv::Mat& second_details) {

@@ -4,9 +4,11 @@
 
 namespace divemesh::camera {
 
-// Returns the details of an image (8 bit grey): reduced to 160 px of width, without what is coarser
-// than about 3 px of that. CV_32F.
-cv::Mat view_details(const cv::Mat& image);
+// Returns an image (8 bit grey) reduced to 160 px of width, as CV_32F; a narrower one in its size.
+cv::Mat small_view(const cv::Mat& image);
+
+// Returns the details of an image, by its small_view(): without what is coarser than about 3 px.
+cv::Mat view_details(const cv::Mat& small_view);
 
 // Returns whether two images, by their view_details() of one size, are of one view: the scene did
 // not move from one to the other, even if light or fish did. It compares cells of the images in

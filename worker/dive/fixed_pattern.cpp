@@ -19,7 +19,6 @@ constexpr double kMaxStillShare = 0.5;   // of what is not black; the rig stands
 // left 0.78 and 0.96; overlays and parts of a moving rig up to 0.31 and 0.44.
 constexpr double kMinStayingEdges = 0.55;
 constexpr double kMinStayingCells = 0.65;
-constexpr int kSmallWidth_px = 160;
 constexpr float kMinTimeSeen = 0.6F;      // share of the images in which an edge stays
 constexpr double kNearMedian = 8.0;       // grey values
 constexpr float kMinEdgesOfCell = 0.02F;  // share of its pixels
@@ -78,15 +77,12 @@ cv::Mat median_of(const std::vector<cv::Mat>& images) {
 }  // namespace
 
 void FixedPattern::add(const cv::Mat& image) {
-    cv::Mat values;
-    image.convertTo(values, CV_32F);
     if (num_images_++ == 0) {
         sum_ = cv::Mat::zeros(image.size(), CV_32F);
         sum_of_squares_ = cv::Mat::zeros(image.size(), CV_32F);
     }
-    const double reduction = std::min(1.0, static_cast<double>(kSmallWidth_px) / image.cols);
-    cv::resize(values, small_.emplace_back(), {}, reduction, reduction, cv::INTER_AREA);
-    details_.push_back(camera::view_details(image));
+    small_.push_back(camera::small_view(image));
+    details_.push_back(camera::view_details(small_.back()));
     cv::accumulate(image, sum_);
     cv::accumulateSquare(image, sum_of_squares_);
 }

@@ -11,6 +11,18 @@
 #include "worker/stats/median.hpp"
 
 namespace divemesh::odometry {
+namespace {
+
+// Returns the inliers of a motion at one of its two times.
+types::Features static_features(const Registration& motion, Eigen::Vector3d PointPair::*time_px) {
+    types::Features features;
+    if (!motion.found) return features;
+    for (const PointPair& pair : motion.inliers)
+        features.push_back({pair.id, (pair.*time_px).head<2>(), (pair.*time_px).z()});
+    return features;
+}
+
+}  // namespace
 
 std::uint64_t seed_of(std::int64_t seed, const types::RectifiedFrame& frame) {
     return static_cast<std::uint64_t>(seed) * 1'000'003U + static_cast<std::uint64_t>(frame.index);
@@ -57,19 +69,11 @@ types::FrameFeatures feature_counts(const types::Features& features) {
 }
 
 types::Features static_features(const Registration& motion) {
-    types::Features features;
-    if (!motion.found) return features;
-    for (const PointPair& pair : motion.inliers)
-        features.push_back({pair.id, pair.current_px.head<2>(), pair.current_px.z()});
-    return features;
+    return static_features(motion, &PointPair::current_px);
 }
 
 types::Features previous_static_features(const Registration& motion) {
-    types::Features features;
-    if (!motion.found) return features;
-    for (const PointPair& pair : motion.inliers)
-        features.push_back({pair.id, pair.previous_px.head<2>(), pair.previous_px.z()});
-    return features;
+    return static_features(motion, &PointPair::previous_px);
 }
 
 void add_lost_features(const types::RectifiedFrame& frame,

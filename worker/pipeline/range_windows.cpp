@@ -40,8 +40,8 @@ bool rests(const types::Recording& recording, const types::StereoFrame& frame, i
     const int other_index = is_at_end ? frame.index - num_frames : frame.index + num_frames;
     if (other_index < 0) return false;
     const auto other = recording.frame(other_index);
-    return other && camera::is_same_view(camera::view_details(frame.left),
-                                         camera::view_details(other->left));
+    return other && camera::is_same_view(camera::view_details(camera::small_view(frame.left)),
+                                         camera::view_details(camera::small_view(other->left)));
 }
 
 // The features of a window, tracked from frame to frame.
