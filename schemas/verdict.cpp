@@ -100,6 +100,11 @@ constexpr Row kRows[] = {
     {"video_chapter_missing",       ""},
     {"video_chapter_unusable",      ""},
     {"gravity_check",               ""},
+    {"imu_missing",                 ""},
+    {"imu_slow",                    ""},
+    {"mounting_assumed",            ""},
+    {"sensor_left_out",             ""},
+    {"camera_left_out",             ""},
 
     // These concern what the result is compared with, or extras.
     {"ground_truth_unusable",       ""},

@@ -20,6 +20,16 @@ bool is_whole_in(double value, double low, double high) {
     return value >= low && value <= high && value == std::floor(value);
 }
 
+// Returns whether focal lengths are alike and the principal point is near the middle only if the
+// second and the third number of fu, fv, cu, cv change places, as in a flattened camera matrix.
+bool are_exchanged(const double* k, double width, double height) {
+    const auto is_usual = [&](double fu, double fv, double cu, double cv) {
+        return std::abs(fu / fv - 1.0) < 0.05 && std::abs(cu / width - 0.5) < 0.1 &&
+               std::abs(cv / height - 0.5) < 0.1;
+    };
+    return !is_usual(k[0], k[1], k[2], k[3]) && is_usual(k[0], k[2], k[1], k[3]);
+}
+
 // Reads and checks the camera's parameters; each kind of error is reported once.
 class CameraReader {
 public:
@@ -102,6 +112,11 @@ private:
                         "Calibrate the camera again.");
         const double width = camera_.width_px;
         const double height = camera_.height_px;
+        if (are_exchanged(k, width, height))
+            return fail("calibration_intrinsics",
+                        "intrinsics seem to be in the order fu, cu, fv, cv: read so, both focal "
+                        "lengths are alike and the principal point is near the middle",
+                        "Write intrinsics: [fu, fv, cu, cv] in pixels.");
         const double focal_px = k[0] / factor;
         if (focal_px < 0.1 * width || focal_px > 20.0 * width || k[1] < 0.5 * k[0] ||
             k[1] > 2.0 * k[0])

@@ -31,7 +31,15 @@ std::vector<std::size_t> descents(Stamps stamps) {
     return rows;
 }
 
+// Returns the median rise from row to row. Rows that mostly descend are written backwards.
 std::int64_t median_rise_ns(Stamps stamps) {
+    const auto num_descents = std::ssize(descents(stamps));
+    std::vector<std::int64_t> sorted;
+    if (num_descents * 2 > std::ssize(stamps)) {
+        sorted.assign(stamps.begin(), stamps.end());
+        std::sort(sorted.begin(), sorted.end());
+        stamps = sorted;
+    }
     std::vector<std::int64_t> rises;
     rises.reserve(stamps.size());
     for (std::size_t i = 1; i < stamps.size(); ++i)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 
 #include "worker/base/text.hpp"
 #include "worker/camera/virtual_camera.hpp"
@@ -33,6 +34,25 @@ std::string table_of(const std::string& sensor) { return "mav0/" + sensor + "/da
 bool is_position_source(const std::string& sensor) {
     return sensor.size() == 9 && sensor.starts_with("position") && sensor.back() >= '0' &&
            sensor.back() <= '9';
+}
+
+// Returns a sensor that is missing and whose name differs from that of a folder by case or number
+// alone, as imu differs from imu0; nullptr if there is none.
+const char* sensor_meant_by(const std::string& folder, const DiveFiles& files) {
+    const auto kind = [](std::string_view name) {
+        std::string letters;
+        for (const char c : name)
+            if (c < '0' || c > '9')
+                letters += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+        return letters;
+    };
+    const std::vector<std::string> there = files.sensors();
+    const auto is_meant = [&](const char* sensor) {
+        return kind(folder) == kind(sensor) &&
+               std::find(there.begin(), there.end(), sensor) == there.end();
+    };
+    const auto sensor = std::find_if(std::begin(kSensors), std::end(kSensors), is_meant);
+    return sensor == std::end(kSensors) ? nullptr : *sensor;
 }
 
 std::size_t count_errors(const FindingLog& findings) {
@@ -117,9 +137,17 @@ void ContentsReader::report_unknown_sensors() {
             std::find(std::begin(kSensors), std::end(kSensors), sensor) != std::end(kSensors))
             continue;
         const std::string what = sensor.starts_with("cam") ? "camera" : "sensor";
-        findings_.info(what + "_left_out",
-                       "mav0/" + printable(sensor),
-                       "the " + what + " " + printable(sensor) + " is not used");
+        const std::string folder = "mav0/" + printable(sensor);
+        const std::string text = "the " + what + " " + printable(sensor) + " is not used";
+        const char* const meant = sensor_meant_by(sensor, files_);
+        if (meant)
+            findings_.warning(
+                what + "_left_out",
+                folder,
+                text + ": there is no mav0/" + meant,
+                std::string("If it is the sensor of the rig, rename the folder to ") + meant + ".");
+        else
+            findings_.info(what + "_left_out", folder, text);
     }
 }
 
@@ -129,8 +157,15 @@ std::optional<std::string> ContentsReader::read_table(const std::string& sensor)
 
 // Reads what has the most rows a second: it shows best where the clock was set back.
 void ContentsReader::read_motion_sensors() {
-    if (const auto csv = read_table("imu0"))
+    if (const auto csv = read_table("imu0")) {
+        const std::size_t num_findings = findings_.all().size();
         contents_.imu = parse_imu(*csv, table_of("imu0"), findings_, &clock_);
+        if (contents_.imu.empty() && findings_.all().size() == num_findings)
+            findings_.warning("imu_missing",
+                              table_of("imu0"),
+                              table_of("imu0") + " has no rows",
+                              "Check the recorder: it did not record the IMU.");
+    }
     if (const auto csv = read_table("ahrs0"))
         contents_.ahrs = parse_ahrs(*csv, table_of("ahrs0"), findings_, &clock_);
     if (contents_.imu.empty() && contents_.ahrs.empty())
@@ -244,6 +279,12 @@ std::optional<CalibratedCamera> ContentsReader::read_camera(const std::string& c
 Eigen::Isometry3d ContentsReader::mounting(const std::string& sensor) {
     const std::string file = "mav0/" + sensor + "/sensor.yaml";
     const auto yaml = read_yaml(file);
+    if (!yaml && !files_.has(file) && (sensor == "imu0" || sensor == "ahrs0"))
+        findings_.warning("mounting_assumed",
+                          file,
+                          "there is no " + file + ": the axes of " + sensor +
+                              " are taken for those of the body, in which T_BS of the cameras is",
+                          "Put T_BS of the sensor there, and the noise of an IMU.");
     if (!yaml) return Eigen::Isometry3d::Identity();
     if (sensor == "imu0") contents_.rig.imu_noise = imu_noise(*yaml, file, findings_);
     return rigid_motion(*yaml, file, findings_).value_or(Eigen::Isometry3d::Identity());

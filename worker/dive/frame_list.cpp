@@ -55,6 +55,22 @@ std::int64_t duration_ns(const std::vector<CameraRow>& rows) {
     return rows.back().timestamp_ns - rows.front().timestamp_ns;
 }
 
+// Returns the path of a listed image below data/, without what leads out of it, as paths of the
+// machine that recorded do: complete_image_names() looks for the image. Nullopt if it is no path.
+std::optional<std::string> path_in_data(std::string_view listed) {
+    if (entry_name_problem(listed).empty()) return std::string(listed);
+    std::string path;
+    while (!listed.empty()) {
+        const std::size_t end = std::min(listed.find_first_of("/\\"), listed.size());
+        const std::string_view part = listed.substr(0, end);
+        listed.remove_prefix(std::min(end + 1, listed.size()));
+        if (part.empty() || part == "." || part == ".." || part.ends_with(':')) continue;
+        if (!path.empty()) path += '/';
+        path += part;
+    }
+    return entry_name_problem(path).empty() ? std::optional(path) : std::nullopt;
+}
+
 }  // namespace
 
 std::vector<CameraRow> parse_camera_rows(std::string_view text,
@@ -70,8 +86,9 @@ std::vector<CameraRow> parse_camera_rows(std::string_view text,
         if (!timestamp) return;
         // Some lists have only timestamps, and images that are named by them.
         const std::string_view name = fields.size() < 2 ? fields[0] : fields[1];
-        if (!entry_name_problem(name).empty()) return check.count_malformed(line);
-        rows.push_back({*timestamp, folder + "data/" + std::string(name)});
+        const auto path = path_in_data(name);
+        if (!path) return check.count_malformed(line);
+        rows.push_back({*timestamp, folder + "data/" + *path});
         lines.push_back(line);
     });
     const TableClock found = check.sort(

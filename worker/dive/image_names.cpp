@@ -28,9 +28,9 @@ bool is_image(const std::string& name) {
     });
 }
 
-// Returns a name in lower case without the extension of an image.
-std::string stem(const std::string& name) {
-    const std::string all = lower(name);
+// Returns the last part of a path in lower case without the extension of an image.
+std::string stem(const std::string& path) {
+    const std::string all = lower(path.substr(path.rfind('/') + 1));
     return is_image(all) ? all.substr(0, all.rfind('.')) : all;
 }
 
@@ -45,7 +45,7 @@ public:
         }
     }
     std::optional<std::string> find(const std::string& path) const {
-        const auto place = names_.find(stem(path.substr(folder_.size())));
+        const auto place = names_.find(stem(path));
         if (place == names_.end() || place->second.empty()) return std::nullopt;
         return folder_ + place->second;
     }
@@ -63,7 +63,8 @@ void complete_image_names(std::vector<CameraRow>& rows,
                           FindingLog& findings) {
     const auto is_there = [&](const CameraRow& row) { return files.has(row.file); };
     if (std::all_of(rows.begin(), rows.end(), is_there)) return;
-    const ImagesByStem images(files, "mav0/" + camera + "/data/");
+    const std::string folder = "mav0/" + camera + "/data";
+    const ImagesByStem images(files, folder + "/");
     std::int64_t num_completed = 0;
     std::string example;
     for (CameraRow& row : rows) {
@@ -77,10 +78,10 @@ void complete_image_names(std::vector<CameraRow>& rows,
     findings.warning("image_names_completed",
                      "mav0/" + camera + "/data.csv",
                      std::to_string(num_completed) + " of " + std::to_string(rows.size()) +
-                         " rows give image names whose extension or case differs from the files'; "
-                         "the files are used, such as " +
+                         " rows give image names whose folder, extension or case differs from the "
+                         "files'; the files are used, such as " +
                          printable(example),
-                     "Write in column 2 the whole file name of the image.");
+                     "Write in column 2 the whole file name of the image, as in " + folder + ".");
 }
 
 std::vector<CameraRow> rows_by_image_names(const DiveFiles& files,

@@ -9,8 +9,9 @@
 
 namespace divemesh::dive {
 
-// Replaces names of images that are not there by those of files that differ only in case or in the
-// extension, which may be missing in the list. Reports how many.
+// Replaces names of images that are not there by those of files in the camera's folder that differ
+// only in case, in the folder or in the extension, which may be missing in the list. Reports how
+// many.
 void complete_image_names(std::vector<CameraRow>& rows,
                           const DiveFiles& files,
                           const std::string& camera,

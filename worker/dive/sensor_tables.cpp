@@ -23,6 +23,7 @@ constexpr double kMaxDepth_m = 11000.0;
 constexpr double kMinPressure_mbar = 900.0;  // of the air 1000 m above the sea
 constexpr double kMaxChange_m_s = 2.0;       // of a vehicle's depth
 constexpr double kMaxGravityError = 0.6;     // m/s^2, of a median of accelerations
+constexpr double kMaxImuPeriod_s = 0.1;
 constexpr double kMaxDiverRate_rad_s = 3.0;  // a median above it is no diver's
 
 template <typename Get>
@@ -86,6 +87,19 @@ void check_imu_units(const std::vector<types::ImuSample>& samples,
                        "the median rotation rate is " + base::significant(rate) +
                            " rad/s, more than one turn per second; this looks like degrees/s",
                        "Write rates in rad/s.");
+}
+
+// Over longer intervals the rotation is not known, and no preset uses the IMU.
+void check_imu_rate(const std::vector<types::ImuSample>& samples,
+                    const std::string& file,
+                    FindingLog& findings) {
+    const double period_s = base::to_s(median_period_ns(timestamps_of(samples)));
+    if (period_s <= kMaxImuPeriod_s) return;
+    findings.warning("imu_slow",
+                     file,
+                     "the IMU has a reading every " + base::fixed(period_s, 2) +
+                         " s, too few to tell how the rig moved, so the path does not use it",
+                     "Record the IMU at 100 readings a second or more; 10 are the least.");
 }
 
 // Returns the change of depth per second that nine in ten changes over a second do not exceed, m/s.
@@ -194,6 +208,7 @@ std::vector<types::ImuSample> parse_imu(std::string_view text,
     leave_out_frozen_readings(samples, file, findings);
     leave_out_clipped_readings(samples, file, findings);
     check_imu_units(samples, file, findings);
+    check_imu_rate(samples, file, findings);
     return samples;
 }
 

@@ -38,6 +38,8 @@ std::string_view field(std::string_view line, std::size_t index) {
 }  // namespace
 
 TableAdvice advise_on_table(std::string_view text, std::size_t num_values) {
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+        return {"it is in UTF-16", "Save the table as UTF-8."};
     const std::string_view line = first_row(text);
     if (line.empty()) return {};
     for (const auto& [separator, name] :
@@ -51,6 +53,11 @@ TableAdvice advise_on_table(std::string_view text, std::size_t num_values) {
     if (first && *first < kMinTimestamp_ns && second && *second >= kMinTimestamp_ns)
         return {"its first column counts the rows and the second is the timestamp",
                 "Remove the first column (pandas: to_csv(..., index=False))."};
+    if (first && field(line, 0).find_first_of("eE") != std::string_view::npos)
+        return {
+            "its timestamps are in exponential notation, as spreadsheets write them, so their "
+            "last digits are lost",
+            "Take the table as the recorder wrote it, not from a spreadsheet."};
     if (first && field(line, 0).find('.') != std::string_view::npos)
         return {"its timestamps have a fraction, as seconds have",
                 "Write timestamps as whole nanoseconds: seconds times 1e9."};

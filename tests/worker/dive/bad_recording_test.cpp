@@ -157,6 +157,16 @@ TEST_F(BadRecordingTest, AbsurdIntrinsicsAreRefused) {
     EXPECT_THAT(findings(), HasFinding(Severity::Error, "calibration_intrinsics", kCam0Yaml));
 }
 
+TEST_F(BadRecordingTest, IntrinsicsInTheOrderOfACameraMatrixAreNamed) {
+    tiny_.replace(kCam0Yaml, "[50.0, 50.0, 32.0, 24.0]", "[50.0, 32.0, 50.0, 24.0]");
+    EXPECT_THAT(findings(),
+                HasFinding(Severity::Error, "calibration_intrinsics", "order fu, cu, fv, cv"));
+    // A lens for wide images, whose pixels are not square.
+    tiny_.replace(kCam0Yaml, "[50.0, 32.0, 50.0, 24.0]", "[50.0, 37.5, 32.0, 24.0]");
+    EXPECT_THAT(findings(),
+                testing::Not(HasFinding(Severity::Error, "calibration_intrinsics", "")));
+}
+
 TEST_F(BadRecordingTest, ARotationThatIsNoneIsRefused) {
     tiny_.write(kCam1Yaml, camera_yaml("1,0.2,0,0.1, 0,1,0,0, 0,0,1,0, 0,0,0,1"));
 

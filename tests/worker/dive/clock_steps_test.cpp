@@ -254,6 +254,19 @@ TEST(ClockStepsTest, AShuffledListIsSortedWithAWarning) {
     EXPECT_FALSE(has_error(log.all()));
 }
 
+TEST(ClockStepsTest, RowsWrittenBackwardsAreSortedWithAWarning) {
+    FindingLog log;
+    std::string text;
+    for (int i = 20; i-- > 0;) text += imu_row((1000 + i) * kMillisecond_ns, "0,0,0,0,0,9.8");
+
+    const auto samples = parse_imu(text, kFile, log);
+
+    ASSERT_EQ(samples.size(), 20U);
+    EXPECT_EQ(samples.front().timestamp_ns, 1000 * kMillisecond_ns);
+    EXPECT_THAT(log.all(), HasFinding(Severity::Warning, "imu_timestamp_backwards", "19 of 20"));
+    EXPECT_FALSE(has_error(log.all()));
+}
+
 TEST(ClockStepsTest, DoubledRowsAreUsedOnceAndContradictingRowsAreRefused) {
     FindingLog log;
     std::string doubled;

@@ -86,12 +86,19 @@ TEST(FrameListTest, CommentsLineEndsAndBlanksOfOtherSystemsAreRead) {
     EXPECT_TRUE(log.all().empty());
 }
 
-TEST(FrameListTest, AFileNameThatLeavesTheFolderIsRefused) {
+TEST(FrameListTest, AFileNameThatLeavesTheFolderIsOneBelowIt) {
     FindingLog log;
 
-    parse_camera_rows("1000000000,../../../etc/passwd\n", "cam0", log);
+    const auto rows = parse_camera_rows("1000000000,../../../etc/passwd\n", "cam0", log);
 
-    EXPECT_THAT(log.all(), HasFinding(Severity::Error, "cam0_row_malformed", "data.csv:1"));
+    ASSERT_EQ(rows.size(), 1U);
+    EXPECT_EQ(rows.front().file, "mav0/cam0/data/etc/passwd");
+    for (const char* const name : {"..", "../..", "/", "C:", "a\x01.png"}) {
+        FindingLog refused;
+        parse_camera_rows(std::string("1000000000,") + name + "\n", "cam0", refused);
+        EXPECT_THAT(refused.all(), HasFinding(Severity::Error, "cam0_row_malformed", "data.csv:1"))
+            << name;
+    }
 }
 
 }  // namespace

@@ -18,6 +18,11 @@ TEST(TableAdviceTest, FormatsOfOtherToolsAreNamed) {
     EXPECT_NE(seen("#t;x;y\n1600000000000000000;0,1;0,2\n").find("semicolons"), std::string::npos);
     EXPECT_NE(seen("1600000000.5 0.1 0.2\n").find("blanks"), std::string::npos);
     EXPECT_NE(seen("1600000000.5,0.1,0.2\n").find("seconds"), std::string::npos);
+    EXPECT_NE(seen("1.60000E+18,0.1,0.2\n").find("exponential"), std::string::npos);
+    EXPECT_NE(seen("\xff\xfe"
+                   "1,2\n")
+                  .find("UTF-16"),
+              std::string::npos);
     EXPECT_NE(seen(",t,x,y\n0,1600000000000000000,1,2\n").find("counts the rows"),
               std::string::npos);
     EXPECT_NE(seen("1600000000000000000,1\n").find("2 of 3 columns"), std::string::npos);

@@ -32,6 +32,11 @@ std::string imu_rows() {
     return rows.str();
 }
 
+constexpr const char* kImuYaml =
+    "T_BS: [1,0,0,0, 0,1,0,0, 0,0,1,0, 0,0,0,1]\n"
+    "gyroscope_noise_density: 1.7e-4\ngyroscope_random_walk: 2.0e-5\n"
+    "accelerometer_noise_density: 2.0e-3\naccelerometer_random_walk: 3.0e-3\n";
+
 std::string truth_rows() {
     std::ostringstream rows;
     rows << "#timestamp, p_x, p_y, p_z, q_w, q_x, q_y, q_z\n";
@@ -57,6 +62,7 @@ TinyDive::TinyDive(std::filesystem::path folder) : folder_(std::move(folder)) {
               camera_yaml("1, 0, 0, " + x + ", 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1"));
     }
     write("mav0/imu0/data.csv", imu_rows());
+    write("mav0/imu0/sensor.yaml", kImuYaml);
     write("mav0/state_groundtruth_estimate0/data.csv", truth_rows());
     write("dive.json", R"({"name": "Tiny", "site": "Tank", "tags": ["test"]})");
 }
