@@ -19,7 +19,9 @@ LensChanges joined(const std::array<types::LensChange, 2>& lenses) {
     return changes;
 }
 
-LensChanges lens_prior_sigmas(const types::Rig& rig) {
+LensChanges lens_prior_sigmas(const types::Rig& rig, const types::RigAlignment& alignment) {
+    const double shift_px =
+        alignment.applied ? alignment.change.values[types::RigChange::kCentreDown] : 0.0;
     LensChanges sigmas;
     for (Eigen::Index side = 0; side < 2; ++side) {
         const types::Camera& camera = side == 0 ? rig.cam0 : rig.cam1;
@@ -27,7 +29,7 @@ LensChanges lens_prior_sigmas(const types::Rig& rig) {
         const double centre_px = kCentreSigma * camera.width_px;
         const double yaw_px = side == 0 ? 0.0 : kStereoRotationSigma * camera.fx_px;
         sigmas.segment<types::LensChange::kSize>(types::LensChange::kSize * side) << kFocalSigma,
-            std::hypot(centre_px, yaw_px), centre_px,
+            std::hypot(centre_px, yaw_px), std::hypot(centre_px, shift_px),
             std::max(kDistortionSigma, kDistortionShare * std::abs(k[0])),
             std::max(kDistortionSigma, kDistortionShare * std::abs(k[1]));
     }

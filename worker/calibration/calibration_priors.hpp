@@ -4,6 +4,7 @@
 
 #include "worker/calibration/lens_reprojection.hpp"
 #include "worker/types/rig.hpp"
+#include "worker/types/rig_alignment.hpp"
 
 namespace divemesh::calibration {
 
@@ -25,7 +26,9 @@ constexpr double kRateErrorSigma = 0.02;  // of a gyroscope that nobody calibrat
 LensChanges joined(const std::array<types::LensChange, 2>& lenses);
 
 // Returns the standard deviations of the lenses' calibration. That of the right principal point
-// includes the yaw of the right camera, as both move all disparities alike.
-LensChanges lens_prior_sigmas(const types::Rig& rig);
+// includes the yaw of the right camera, as both move all disparities alike. Where an image is
+// shifted on its sensor, those of the principal points include the shift: rows tell the difference
+// of both cameras, not which of them it is.
+LensChanges lens_prior_sigmas(const types::Rig& rig, const types::RigAlignment& alignment);
 
 }  // namespace divemesh::calibration

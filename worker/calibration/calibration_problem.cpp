@@ -85,11 +85,12 @@ std::array<types::LensChange, 2> split(const LensChanges& changes) {
 
 CalibrationProblem::CalibrationProblem(const types::Track& track,
                                        const types::Recording& recording,
+                                       const types::RigAlignment& alignment,
                                        const imu::InertialPrior& inertial)
     : track_(track),
       recording_(recording),
       inertial_(inertial),
-      prior_sigmas_(lens_prior_sigmas(recording.rig())),
+      prior_sigmas_(lens_prior_sigmas(recording.rig(), alignment)),
       shutter_(track.rig, camera::rectified_lenses(recording.rig())[0]),
       motions_(camera_motions(track, track.keyframes)),
       loss_(kHuber),

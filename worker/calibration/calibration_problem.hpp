@@ -57,6 +57,7 @@ public:
 
     CalibrationProblem(const types::Track& track,
                        const types::Recording& recording,
+                       const types::RigAlignment& alignment,
                        const imu::InertialPrior& inertial);
 
     // Solves in rounds of least squares, each linearised in time offset and lenses at the last

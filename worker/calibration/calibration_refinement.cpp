@@ -120,6 +120,7 @@ void apply_lenses(const types::Rig& rig,
 CalibrationRefinement refine_calibration(const types::Track& track,
                                          const types::Recording& recording,
                                          const ReconstructionOptions& options,
+                                         const types::RigAlignment& alignment,
                                          const imu::InertialPrior& inertial,
                                          const base::ProgressCallback& progress,
                                          const Progress& at) {
@@ -128,7 +129,7 @@ CalibrationRefinement refine_calibration(const types::Track& track,
     result.tracked_time_offset_s = track.imu_alignment.time_offset_s;
     if (track.keyframes.size() < kMinCalibrationKeyframes || track.landmarks.empty())
         return refinement;
-    CalibrationProblem problem(track, recording, inertial);
+    CalibrationProblem problem(track, recording, alignment, inertial);
     const auto solved = [&](const FreeUnknowns& free) {
         refinement.solves.push_back(problem.solve(free, progress, at));
         return !refinement.solves.back().failed();

@@ -21,12 +21,14 @@ struct CalibrationRefinement {
 // Returns the calibration by a bundle adjustment over keyframes and evenly thinned landmarks with
 // the calibration free: time offset and rotation of the IMU by its gyroscope; focal length,
 // principal point, k1 and k2 of both lenses by the images as recorded, then with them the readout
-// time of a rolling shutter. Each has a prior as wide as the error of a careful calibration. All
-// lens parameters are applied together, because a part of them would be wrong without the rest. A
-// change is applied only if it is significant and its solve succeeded.
+// time of a rolling shutter. Each has a prior as wide as the error of a careful calibration, and
+// the principal points as wide as `alignment` found an image shifted. All lens parameters are
+// applied together, because a part of them would be wrong without the rest. A change is applied
+// only if it is significant and its solve succeeded.
 CalibrationRefinement refine_calibration(const types::Track& track,
                                          const types::Recording& recording,
                                          const ReconstructionOptions& options,
+                                         const types::RigAlignment& alignment,
                                          const imu::InertialPrior& inertial,
                                          const base::ProgressCallback& progress,
                                          const Progress& at);

@@ -122,7 +122,7 @@ bool is_aligned(const types::RigAlignment& alignment) {
 LensCovariance without_refinement(const types::Rig& rig,
                                   const Eigen::Matrix3Xd& shift_in_centre,
                                   const types::RigAlignment& alignment) {
-    LensChanges sigmas = lens_prior_sigmas(rig);
+    LensChanges sigmas = lens_prior_sigmas(rig, alignment);
     for (const int lens : {0, types::LensChange::kSize})
         for (const int coefficient : {types::LensChange::kK1, types::LensChange::kK2})
             sigmas[lens + coefficient] *= kTypicalDistortion;

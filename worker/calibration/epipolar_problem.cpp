@@ -19,8 +19,9 @@ constexpr double kMinError_px = 0.05;
 // How far a rig may have been knocked: a degree, and a millimetre of a baseline of 120 mm.
 constexpr double kRotationSigma_rad = 0.0175;
 constexpr double kBaselineSigma_rad = 0.0087;
-constexpr double kCentreSigma_px = 1.0;  // rows do not tell it
-constexpr double kFocalSigma = 0.003;    // difference of the cameras, as calibrations leave it
+constexpr double kCentreSigma_px = 1.0;       // rows do not tell it
+constexpr double kCentreDownSigma_px = 10.0;  // images that were shifted or cropped
+constexpr double kFocalSigma = 0.003;         // difference of the cameras, as calibrations leave it
 // Each lens term at the border of the image: as real rigs have them, and as the best have.
 constexpr double kMaxLensSigma_px = 0.3;
 constexpr double kMinLensSigma_px = 0.01;
@@ -30,14 +31,12 @@ EpipolarUnknowns prior_sigmas(double lens_sigma_px) {
     EpipolarUnknowns sigmas;
     sigmas << Eigen::Vector3d::Constant(kRotationSigma_rad),
         Eigen::Vector2d::Constant(kBaselineSigma_rad), kFocalSigma, kCentreSigma_px,
-        LensTerms::Constant(lens_sigma_px);
+        kCentreDownSigma_px, LensTerms::Constant(lens_sigma_px);
     return sigmas;
 }
 
-Eigen::Vector3d by_focal(const types::RectifiedRig& rig,
-                         const camera::RectifiedLens& lens,
-                         const Eigen::Vector2d& right_px) {
-    const Eigen::Vector2d shift_px = camera::shift_of_change(rig, lens, right_px).col(0);
+// Returns how far a ray moves by a pixel's shift.
+Eigen::Vector3d ray_shift(const types::RectifiedRig& rig, const Eigen::Vector2d& shift_px) {
     return {shift_px.x() / rig.focal_px, shift_px.y() / rig.focal_px, 0.0};
 }
 
@@ -71,12 +70,15 @@ EpipolarProblem::EpipolarProblem(const types::Rig& rig,
     const camera::RectifiedLens right = camera::rectified_lenses(rig)[1];
     R_rectified_right_ = right.R_camera_rectified.transpose();
     samples_.reserve(matches.size());
-    for (const types::StereoMatch& match : matches)
+    for (const types::StereoMatch& match : matches) {
+        const auto shifts_px = camera::shift_of_change(rectified, right, match.right_px);
         samples_.push_back({match.frame_index,
                             rectified.point_cam(match.left_px.x(), match.left_px.y(), 1.0),
                             rectified.point_cam(match.right_px.x(), match.right_px.y(), 1.0),
-                            by_focal(rectified, right, match.right_px),
+                            ray_shift(rectified, shifts_px.col(types::LensChange::kFocal)),
+                            ray_shift(rectified, shifts_px.col(types::LensChange::kCentreDown)),
                             lens_terms(rectified, match.right_px)});
+    }
 }
 
 EpipolarProblem::Moved EpipolarProblem::moved(const EpipolarUnknowns& values) const {
@@ -87,7 +89,9 @@ EpipolarProblem::Moved EpipolarProblem::moved(const EpipolarUnknowns& values) co
 
 // Returns the right ray in the frame of the rectified left camera.
 Eigen::Vector3d EpipolarProblem::right_ray(const Sample& sample, const Moved& rig) {
-    return rig.R * (sample.right_ray - rig.values[5] * sample.right_by_focal);
+    return rig.R *
+           (sample.right_ray - rig.values[types::RigChange::kFocal] * sample.right_by_focal -
+            rig.values[types::RigChange::kCentreDown] * sample.right_by_centre_down);
 }
 
 double EpipolarProblem::error_px(const Sample& sample,
@@ -105,7 +109,7 @@ EpipolarProblem::Residual EpipolarProblem::residual(const Sample& sample, const 
     result.error_px = error_px(sample, rig, across);
     result.gradient << focal_px_ * R_rectified_right_.transpose() * right.cross(normal),
         focal_px_ * across.tail<2>(), -focal_px_ * normal.dot(rig.R * sample.right_by_focal), 0.0,
-        -sample.lens_terms;
+        -focal_px_ * normal.dot(rig.R * sample.right_by_centre_down), -sample.lens_terms;
     return result;
 }
 

@@ -62,7 +62,8 @@ private:
         int frame_index = 0;
         Eigen::Vector3d left_ray;
         Eigen::Vector3d right_ray;
-        Eigen::Vector3d right_by_focal;  // d(right ray)/d(focal length), of the same true ray
+        Eigen::Vector3d right_by_focal;        // d(right ray)/d(focal length), of the same true ray
+        Eigen::Vector3d right_by_centre_down;  // and by the principal point
         LensTerms lens_terms;
     };
     struct Residual {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <set>
 
 #include "worker/base/rotation_vector.hpp"
@@ -27,6 +28,10 @@ constexpr double kSignificantBias = 3.0;
 constexpr double kYawSigma_rad = 0.0175;
 constexpr double kCentreSigma_px = 1.0;
 constexpr double kK1Sigma = 0.01;
+// Lenses as calibrations leave them may look like a shift by a pixel.
+constexpr double kMinShiftedRows_px = 1.5;
+constexpr double kMinShift_px = 1.5;
+constexpr double kMinShiftedShare = 0.5;  // of what the change does to the rows
 constexpr int kMinInliersOfPair = 8;
 // Rows of pairs that differ by more than this share of the focal length fit no fixed rig.
 constexpr double kMaxPairError_rad = 1e-3;
@@ -75,6 +80,20 @@ double row_shift_px(const EpipolarProblem& problem, const EpipolarSolution& solu
     return sum > 0.0 ? std::sqrt(squares / sum) : 0.0;
 }
 
+// Returns the solution with the principal point in place of most of the pitch, if rows tell it: an
+// image that is shifted, as by a crop, moves all rows alike, and a rotation moves those at the
+// borders further.
+std::optional<EpipolarSolution> solve_shifted(const EpipolarProblem& problem) {
+    EpipolarProblem::Held held{};
+    held[Change::kYaw] = held[Change::kCentre] = true;
+    const EpipolarSolution solution = solve_significant(problem, held);
+    const double shift_px = std::abs(solution.values[Change::kCentreDown]);
+    if (shift_px < kMinShift_px || shift_px < kMinShiftedShare * row_shift_px(problem, solution) ||
+        sigmas_off(solution, Change::kCentreDown) < kSignificant)
+        return std::nullopt;
+    return solution;
+}
+
 // Returns the RMS over the pairs of the mean error of a pair.
 double pair_error_px(const types::StereoMatches& matches,
                      const std::vector<double>& errors_px,
@@ -108,8 +127,10 @@ std::int32_t num_inliers(const EpipolarSolution& solution) {
 }
 
 bool rows_significant(const EpipolarSolution& solution) {
-    return sigmas_off(solution, Change::kPitch) > kSignificant ||
-           sigmas_off(solution, Change::kRoll) > kSignificant;
+    const auto is_told = [&](int index) {
+        return solution.values[index] != 0.0 && sigmas_off(solution, index) > kSignificant;
+    };
+    return is_told(Change::kPitch) || is_told(Change::kRoll) || is_told(Change::kCentreDown);
 }
 
 types::RigAlignment::Outcome judge(const types::RigAlignment& found,
@@ -139,8 +160,10 @@ types::RigAlignment estimate_rig_alignment(const types::Rig& rig,
     }
     const EpipolarProblem problem(rig, rectified, agreeing);
     EpipolarProblem::Held held{};
-    held[Change::kYaw] = held[Change::kCentre] = true;
-    const EpipolarSolution solution = solve_significant(problem, held);
+    held[Change::kYaw] = held[Change::kCentre] = held[Change::kCentreDown] = true;
+    EpipolarSolution solution = solve_significant(problem, held);
+    if (row_shift_px(problem, solution) > kMinShiftedRows_px)
+        if (const auto shifted = solve_shifted(problem)) solution = *shifted;
     result.num_inliers = num_inliers(solution);
     result.change.values = solution.values.head<types::RigChange::kSize>();
     result.sigmas = solution.covariance.diagonal().head<types::RigChange::kSize>().cwiseSqrt();
@@ -162,7 +185,8 @@ types::RigPart estimate_turn(const types::Rig& rig,
     if (agreeing.size() < kMinInliers) return part;
     const EpipolarProblem problem(rig, rectified, agreeing);
     EpipolarProblem::Held held{};
-    for (const int index : {Change::kYaw, Change::kCentre, Change::kDown, Change::kForward})
+    for (const int index :
+         {Change::kYaw, Change::kCentre, Change::kCentreDown, Change::kDown, Change::kForward})
         held[static_cast<std::size_t>(index)] = true;
     const EpipolarSolution solution = solve_significant(problem, held);
     part.found = !solution.outcome.failed() &&
@@ -235,6 +259,7 @@ types::Rig changed_rig(const types::Rig& rig, const types::RigChange& change) {
     result.cam1.fx_px *= 1.0 + change.values[Change::kFocal];
     result.cam1.fy_px *= 1.0 + change.values[Change::kFocal];
     result.cam1.cx_px += change.values[Change::kCentre];
+    result.cam1.cy_px += change.values[Change::kCentreDown];
     return result;
 }
 

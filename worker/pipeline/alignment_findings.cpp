@@ -32,6 +32,14 @@ std::string disparities_off(const types::RigAlignment& alignment) {
            base::fixed(alignment.change.values[types::RigChange::kCentre], 1) + " px off)";
 }
 
+// Returns by how much the image is shifted on its sensor, "" if it is not.
+std::string image_shifted(const types::RigChange::Vector& change) {
+    const double shift_px = change[types::RigChange::kCentreDown];
+    if (shift_px == 0.0) return "";
+    return " and its image is shifted " + std::string(shift_px > 0.0 ? "down" : "up") + " by " +
+           base::fixed(std::abs(shift_px), 1) + " px";
+}
+
 Finding moved_finding(const types::RigAlignment& alignment) {
     const auto& turned = alignment.change.values;
     return {Severity::Warning,
@@ -39,8 +47,8 @@ Finding moved_finding(const types::RigAlignment& alignment) {
             "mav0/cam1/sensor.yaml",
             "the right camera is not where the calibration says: it is rotated by " +
                 degrees(turned.head<3>().norm()) + " degrees (pitch " + degrees(turned[0]) +
-                ", yaw " + degrees(turned[1]) + ", roll " + degrees(turned[2]) +
-                "), so matching points in the left and right images lie " +
+                ", yaw " + degrees(turned[1]) + ", roll " + degrees(turned[2]) + ")" +
+                image_shifted(turned) + ", so matching points in the left and right images lie " +
                 base::fixed(alignment.row_shift_px, 1) + " px (RMS) off their rows" +
                 disparities_off(alignment),
             "The reconstruction estimates this from the images and corrects it unless "

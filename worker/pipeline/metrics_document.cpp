@@ -150,7 +150,8 @@ json rig_change(const types::RigChange::Vector& values, const types::RigChange::
                                                                          "baseline_down_deg",
                                                                          "baseline_forward_deg",
                                                                          "focal",
-                                                                         "centre_px"};
+                                                                         "centre_px",
+                                                                         "centre_down_px"};
     json result = json::object();
     for (int i = 0; i < types::RigChange::kSize; ++i) {
         if (sigmas[i] <= 0.0) continue;

@@ -161,7 +161,7 @@ void TrackOptimiser::drop_loops(const std::string& why) {
 
 void TrackOptimiser::refine_calibration(const types::Track& closed) {
     refinement_ = calibration::refine_calibration(
-        closed, recording_, options_, inertial_, progress_, at(0.4));
+        closed, recording_, options_, alignment_, inertial_, progress_, at(0.4));
     result_.calibration = refinement_.calibration;
     for (const types::SolverOutcome& outcome : refinement_.solves) {
         result_.statistics.calibration.add(outcome);

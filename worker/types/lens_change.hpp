@@ -8,6 +8,8 @@ namespace divemesh::types {
 // and the first two distortion coefficients.
 struct LensChange {
     static constexpr int kSize = 5;
+    static constexpr int kFocal = 0;
+    static constexpr int kCentreDown = 2;
     static constexpr int kK1 = 3;
     static constexpr int kK2 = 4;
     using Vector = Eigen::Matrix<double, kSize, 1>;

@@ -28,9 +28,10 @@ struct RigChange {
     static constexpr int kRoll = 2;
     static constexpr int kDown = 3;  // rad, direction of the baseline in the rectified left camera
     static constexpr int kForward = 4;
-    static constexpr int kFocal = 5;   // focal length of the right camera, relative
-    static constexpr int kCentre = 6;  // principal point of the right camera, px to the right
-    static constexpr int kSize = 7;
+    static constexpr int kFocal = 5;       // focal length of the right camera, relative
+    static constexpr int kCentre = 6;      // principal point of the right camera, px to the right
+    static constexpr int kCentreDown = 7;  // and px down
+    static constexpr int kSize = 8;
     using Vector = Eigen::Matrix<double, kSize, 1>;
 
     Vector values = Vector::Zero();

@@ -43,13 +43,14 @@ protected:
         return refine_calibration(track_,
                                   recording_,
                                   options,
+                                  {},
                                   imu::InertialPrior(recording_, {}, {}),
                                   base::ignore_progress,
                                   {});
     }
     types::SolverOutcome solve(int max_rounds) {
         const imu::InertialPrior inertial(recording_, {}, {});
-        CalibrationProblem problem(track_, recording_, inertial);
+        CalibrationProblem problem(track_, recording_, {}, inertial);
         const types::SolverOutcome outcome =
             problem.solve({}, base::ignore_progress, {}, max_rounds);
         time_offset_s_ = problem.unknowns().time_offset_s;

@@ -37,6 +37,41 @@ TEST(StereoAlignmentTest, FindsTheRotationOfAKnockedCamera) {
     }
 }
 
+// Returns the largest difference that two rigs make to a right pixel, of points at 2 m, px.
+double pixel_difference(const types::Rig& one, const types::Rig& other) {
+    double largest_px = 0.0;
+    for (const double u : {20.0, 320.0, 620.0})
+        for (const double v : {20.0, 240.0, 460.0}) {
+            const Eigen::Vector3d p_cam0 = 2.0 * camera::unproject(one.cam0, {u, v});
+            const auto first = camera::project(one.cam1, one.T_cam1_cam0() * p_cam0);
+            const auto second = camera::project(other.cam1, other.T_cam1_cam0() * p_cam0);
+            if (first && second) largest_px = std::max(largest_px, (*first - *second).norm());
+        }
+    return largest_px;
+}
+
+TEST(StereoAlignmentTest, TellsAShiftedImageFromARotation) {
+    for (const double shift_px : {3.0, -5.0, 8.0}) {
+        types::Rig real = stated_rig();
+        real.cam1.cy_px += shift_px;
+
+        const types::RigAlignment found = estimate(Pairs(real).matches(12, 150));
+
+        EXPECT_EQ(found.outcome, Outcome::Moved) << shift_px;
+        EXPECT_NEAR(found.change.values[types::RigChange::kCentreDown], shift_px, 0.5);
+        EXPECT_LT(pixel_difference(changed_rig(stated_rig(), found.change), real), 0.25)
+            << shift_px;
+    }
+    for (const double degrees : {0.35, -0.6, 1.0}) {
+        const types::Rig real = knocked({degrees, 0.0, 0.0});
+
+        const types::RigAlignment found = estimate(Pairs(real).matches(12, 150));
+
+        EXPECT_EQ(found.change.values[types::RigChange::kCentreDown], 0.0) << degrees;
+        EXPECT_LT(pixel_difference(changed_rig(stated_rig(), found.change), real), 0.25) << degrees;
+    }
+}
+
 TEST(StereoAlignmentTest, LeavesARightCalibrationAsStated) {
     const types::RigAlignment found = estimate(Pairs(stated_rig()).matches(12, 150));
 
@@ -46,7 +81,7 @@ TEST(StereoAlignmentTest, LeavesARightCalibrationAsStated) {
 
 TEST(StereoAlignmentTest, KeepsTheBaselineAndTheLeftCamera) {
     types::RigChange change;
-    change.values << 0.01, -0.005, 0.02, 0.004, -0.003, 0.001, 0.5;
+    change.values << 0.01, -0.005, 0.02, 0.004, -0.003, 0.001, 0.5, -0.3;
 
     const types::Rig rig = changed_rig(stated_rig(), change);
 

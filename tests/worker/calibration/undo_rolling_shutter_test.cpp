@@ -65,6 +65,7 @@ protected:
         return refine_calibration(track_,
                                   recording_,
                                   {},
+                                  {},
                                   imu::InertialPrior(recording_, {}, {}),
                                   base::ignore_progress,
                                   {})

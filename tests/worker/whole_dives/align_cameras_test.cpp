@@ -59,6 +59,23 @@ TEST_F(AlignCamerasTest, AKnockedCameraIsFoundAndTold) {
     EXPECT_EQ(findings[0].code, "stereo_mismatch");
 }
 
+TEST_F(AlignCamerasTest, AnImageThatIsShiftedOnItsSensorIsFoundAndTold) {
+    AlignedRecording recording(*dive_);
+    types::Rig shifted = dive_->rig();
+    shifted.cam1.cy_px -= 6.0;
+    recording.set_rig(shifted);
+
+    const types::RigAlignment found = align_cameras(recording, 0, base::ignore_progress);
+
+    EXPECT_EQ(found.outcome, Outcome::Moved);
+    EXPECT_NEAR(found.change.values[types::RigChange::kCentreDown], 6.0, 0.1);
+    EXPECT_LT(found.change.values.head<3>().norm() / kDeg, 0.05);
+    const std::vector<Finding> findings = alignment_findings(found);
+    ASSERT_EQ(findings.size(), 1U);
+    EXPECT_NE(findings[0].message.find("its image is shifted down by 6.0 px"), std::string::npos)
+        << findings[0].message;
+}
+
 TEST_F(AlignCamerasTest, AYawIsFoundByRanges) {
     const types::RigAlignment found = align({0.0, 0.7, 0.0});
 
