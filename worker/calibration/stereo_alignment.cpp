@@ -29,7 +29,6 @@ constexpr double kYawSigma_rad = 0.0175;
 constexpr double kCentreSigma_px = 1.0;
 constexpr double kK1Sigma = 0.01;
 // Lenses as calibrations leave them may look like a shift by a pixel.
-constexpr double kMinShiftedRows_px = 1.5;
 constexpr double kMinShift_px = 1.5;
 constexpr double kMinShiftedShare = 0.5;  // of what the change does to the rows
 constexpr int kMinInliersOfPair = 8;
@@ -162,7 +161,7 @@ types::RigAlignment estimate_rig_alignment(const types::Rig& rig,
     EpipolarProblem::Held held{};
     held[Change::kYaw] = held[Change::kCentre] = held[Change::kCentreDown] = true;
     EpipolarSolution solution = solve_significant(problem, held);
-    if (row_shift_px(problem, solution) > kMinShiftedRows_px)
+    if (row_shift_px(problem, solution) > kMinShift_px)
         if (const auto shifted = solve_shifted(problem)) solution = *shifted;
     result.num_inliers = num_inliers(solution);
     result.change.values = solution.values.head<types::RigChange::kSize>();

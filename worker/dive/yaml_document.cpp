@@ -67,10 +67,8 @@ private:
     int num_nodes_ = 0;
 };
 
-// Removes a byte order mark and the %YAML line, as OpenCV's files have one that is not valid YAML;
-// EuRoC's have none.
+// Removes the %YAML line, as OpenCV's files have one that is not valid YAML; EuRoC's have none.
 std::string without_directive(std::string_view text) {
-    if (text.starts_with("\xef\xbb\xbf")) text.remove_prefix(3);
     if (!text.starts_with("%YAML")) return std::string(text);
     std::string result(text);
     for (char& c : result) {

@@ -32,12 +32,14 @@ std::string disparities_off(const types::RigAlignment& alignment) {
            base::fixed(alignment.change.values[types::RigChange::kCentre], 1) + " px off)";
 }
 
-// Returns by how much the image is shifted on its sensor, "" if it is not.
+// Returns by how much an image is shifted on its sensor, "" if none is. Rows do not tell whose.
 std::string image_shifted(const types::RigChange::Vector& change) {
     const double shift_px = change[types::RigChange::kCentreDown];
     if (shift_px == 0.0) return "";
-    return " and its image is shifted " + std::string(shift_px > 0.0 ? "down" : "up") + " by " +
-           base::fixed(std::abs(shift_px), 1) + " px";
+    const std::string down = shift_px > 0.0 ? "down" : "up";
+    const std::string up = shift_px > 0.0 ? "up" : "down";
+    return " and its image is shifted " + down + " by " + base::fixed(std::abs(shift_px), 1) +
+           " px (or that of the left camera " + up + ")";
 }
 
 Finding moved_finding(const types::RigAlignment& alignment) {
